@@ -26,21 +26,20 @@ from armodal.daq.commands import (
 from armodal.daq.events import (
     HitJudged,
     HitWithdrawn,
-    Noted,
     PointMoved,
-    Prompted,
 )
-from armodal.daq.hammer_polarity import HammerPolarity
 from armodal.daq.joint_source import JointSource
 from armodal.daq.journal_mirror import MirroredJournal
 from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import force_column
 from armodal.daq.judged_hit import judged_hit
+from armodal.daq.kept_hits import KeptHits
 from armodal.daq.losses import LossTally
 from armodal.daq.moved_points import MovedPoints
 from armodal.daq.session_machine import PromptKind, SessionState
-from armodal.daq.session_marks import mark_of, what_was_done, withdrawal
+from armodal.daq.session_marks import what_was_done, withdrawal
 from armodal.daq.session_reports import DueTimes, SessionReports
+from armodal.daq.session_steps import SessionSteps
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.stopping import Stopping, begin_stopping
 from armodal.daq.surroundings import EventQueue
@@ -50,13 +49,11 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.force_pulse import TURNED
 from armodal.protocols.session.journal import MarkKind, encode_hit
 from armodal.protocols.session.journal_payloads import CALIBRATION
-from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import JointReading
 
 __all__ = ["SessionLoop"]
 
 POSTURE_EVERY_WALL_S = 0.05
-NOTE_LENGTH = 4096  # of a sentence in the journal
 
 
 class SessionLoop:
@@ -90,16 +87,17 @@ class SessionLoop:
         self._losses = losses
         self._journal = journal
         self._outbox = outbox
-        self._state = state
-        self._next_hit = next_hit
         self._arm = ArmAround(settings, clock, joints.joints, turn_s)
         self._moved = MovedPoints(arm or settings.arm, settings.plan)
-        self._asked: machine.Prompt | None = None
         self._silent = False
         self._jumped_s = -math.inf
         self._due = DueTimes(clock)
         self._rate_hz = float(settings.plan.sampling.rate_hz)
         self._blocks = TriggeredBlocks(board, joints, self._arm, losses, self._rate_hz)
+        self._steps = SessionSteps(
+            state, blocks=self._blocks, source=joints, journal=journal, outbox=outbox
+        )
+        self.hits = KeptHits(settings.plan, next_hit, accepted_before, polarities_before)
         self._reports = SessionReports(
             clock=clock,
             board=board,
@@ -110,13 +108,12 @@ class SessionLoop:
             untriggered=UntriggeredPushes(board.channels, settings.plan.trigger),
             note=self.note,
         )
-        # Number, posture and roving point of every accepted hit, the last one at the end.
-        self._kept = list(accepted_before)
-        self._polarity = HammerPolarity(polarities_before)
         self._stopping: Stopping | None = None
-        self.accepted = 0
-        self.rejected = 0
         self.ended: str | None = None
+
+    @property
+    def _state(self) -> SessionState:
+        return self._steps.state
 
     @property
     def complete(self) -> bool:
@@ -150,14 +147,12 @@ class SessionLoop:
 
     def interrupt(self, reason: str) -> None:
         """Keep what is known when the session cannot go on: the losses so far, and the reason."""
-        self._mark(MarkKind.NOTE, self._clock.now_s(), f"interrupted: {reason}"[:NOTE_LENGTH])
+        self._steps.mark(MarkKind.NOTE, self._clock.now_s(), f"interrupted: {reason}")
         self.flush_losses()
 
     def note(self, text: str, now_s: float) -> None:
         """Tell the operator something, and keep it."""
-        here = self._state.here
-        self._mark(MarkKind.NOTE, now_s, text, point=here.point if here else None)
-        self._outbox.put(Noted(text=text, host_s=now_s))
+        self._steps.note(text, now_s)
 
     def _obey(self, command: Command, now_s: float) -> None:
         state = self._state
@@ -165,22 +160,24 @@ class SessionLoop:
             if state.kind is PromptKind.POSTURE:
                 self.note("ready came before the arm was at its posture, and was not taken", now_s)
             elif state.kind is PromptKind.POINT:
-                self._mark(MarkKind.POINT, now_s)
-                self._change(machine.point_ready(state), now_s)
+                self._steps.mark(MarkKind.POINT, now_s)
+                self._steps.change(machine.point_ready(state), now_s)
         elif isinstance(command, ToldPosture):
             self.note(self._source.take_word(command, state.posture, now_s), now_s)
         elif isinstance(command, Skip):
-            self._mark(MarkKind.SKIPPED, now_s, command.reason)
-            self._change(machine.skip(state), now_s)
+            self._steps.mark(MarkKind.SKIPPED, now_s, command.reason)
+            self._steps.change(machine.skip(state), now_s)
         elif isinstance(command, Retake):
             try:
                 changed = machine.retake(state, command.posture, command.point)
             except KeyError as error:
                 self.note(f"retake: the plan has no {error.args[0]}", now_s)
                 return
-            self._change(changed, now_s)
+            self._steps.change(changed, now_s)
             if changed.here is not None:
-                self._mark(MarkKind.POINT, now_s, "retaken")  # it goes on here when come back to
+                self._steps.mark(
+                    MarkKind.POINT, now_s, "retaken"
+                )  # it goes on here when come back to
         elif isinstance(command, Withdraw):
             self._withdraw(now_s)
         elif isinstance(command, MovePoint):
@@ -197,35 +194,22 @@ class SessionLoop:
             )
 
     def _move(self, command: MovePoint, now_s: float) -> None:
-        said, moved = self._moved.take(command, (point for _, _, point in self._kept))
+        said, moved = self._moved.take(command, self.hits.points())
         if not moved:
             self.note(said, now_s)
             return
-        self._mark(MarkKind.NOTE, now_s, said, point=command.point.id)
+        self._steps.mark(MarkKind.NOTE, now_s, said, point=command.point.id)
         self._outbox.put(PointMoved(point=command.point.id, arm=self._moved.arm))
 
     def _withdraw(self, now_s: float) -> None:
-        if not self._kept:
+        taken = self.hits.take_back()
+        if taken is None:
             self.note("there is no accepted hit to take back", now_s)
             return
-        number, posture, point = self._kept.pop()
+        number, posture, point = taken
         self._journal.append(withdrawal(number, posture, point, now_s))
-        self._polarity.drop(number)
-        self.accepted -= 1
-        self.rejected += 1
         self._outbox.put(HitWithdrawn(number=number, posture=posture, point=point))
-        self._change(machine.withdraw(self._state, posture, point), now_s)
-
-    def _change(self, state: SessionState, now_s: float) -> None:
-        """Go to another state; hits count for it from now on, if it asks for one."""
-        self._blocks.count_for(state, now_s)
-        if state.posture is not None and state.posture is not self._state.posture:
-            self._source.begin_posture()
-        self._state = state
-        prompt = state.prompt
-        if prompt != self._asked:
-            self._asked = prompt
-            self._outbox.put(Prompted(prompt=prompt, host_s=now_s, progress=state.progress))
+        self._steps.change(machine.withdraw(self._state, posture, point), now_s)
 
     def _follow_posture(self, reading: JointReading, now_s: float) -> None:
         silent = reading.joints_rad is None and self._joints.rate_hz is not None
@@ -233,17 +217,17 @@ class SessionLoop:
             self._silent = silent
             self.note("the controller is silent" if silent else "the controller is back", now_s)
         posture = self._state.posture
-        if self._asked is None:
-            self._change(self._state, now_s)
+        if not self._steps.begun:
+            self._steps.change(self._state, now_s)
         if posture is None:
             return
         off = self._arm.is_off(posture, reading)
         if self._state.kind is not PromptKind.POSTURE:
             if off:
-                self._change(machine.posture_left(self._state), now_s)
+                self._steps.change(machine.posture_left(self._state), now_s)
         elif off is False and reading.held and self._arm.is_still(posture, now_s):
-            self._mark(MarkKind.POSTURE, now_s)
-            self._change(machine.posture_reached(self._state), now_s)
+            self._steps.mark(MarkKind.POSTURE, now_s)
+            self._steps.change(machine.posture_reached(self._state), now_s)
 
     def _judge_blocks(self, now_s: float) -> None:
         self._blocks.collect(now_s)
@@ -271,22 +255,19 @@ class SessionLoop:
             return
         hit = judged_hit(
             taken,
-            self._next_hit,
+            self.hits.next_number,
             state.prompt,
             posture,
             arm=self._moved.arm,
             around=self._arm,
             channels=self._board.channels,
-            polarity=self._polarity.known,
+            polarity=self.hits.polarity,
             settings=self._settings,
         )
-        verdict = hit.verdict
         verdict_s = self._clock.wall_s(self._clock.now_s() - block.last_data_s)
         commit_s = self._journal.append(encode_hit(hit))
         self._board.release(block.info.block_id, now_s)
-        self._next_hit += 1
-        self.accepted += verdict.accepted
-        self.rejected += not verdict.accepted
+        turned = self.hits.keep(hit)
         self._outbox.put(
             HitJudged(
                 hit=hit,
@@ -295,11 +276,7 @@ class SessionLoop:
                 clock_uncertainty_s=self._board.clock_fit.uncertainty_s(block.info.trigger_ticks),
             )
         )
-        if verdict.accepted:
-            self._kept.append((hit.number, hit.posture, roving_point(self._settings.plan, hit)))
-            if self._polarity.keep(hit.number, verdict.polarity):
-                self.note(CALIBRATION + TURNED, now_s)
-        self._change(machine.hit_judged(state, accepted=verdict.accepted), self._clock.now_s())
-
-    def _mark(self, kind: MarkKind, now_s: float, note: str = "", point: str | None = None) -> None:
-        self._journal.append(mark_of(self._state, kind, now_s, note, point))
+        if turned:
+            self.note(CALIBRATION + TURNED, now_s)
+        after = machine.hit_judged(state, accepted=hit.verdict.accepted)
+        self._steps.change(after, self._clock.now_s())

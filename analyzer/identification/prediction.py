@@ -21,6 +21,7 @@ from armodal.analyzer.identification.frf_fit import FrfFit
 from armodal.analyzer.identification.mode_fit import pair_by_shape
 from armodal.analyzer.identification.model_error import STEP, ModelMove
 from armodal.analyzer.identification.parameters import step_state
+from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = ["ModelScatter", "PredictedModes", "predict_modes", "prediction_model_std", "roving_mass"]
@@ -66,13 +67,25 @@ def predict_modes(
     ----------
     added_mass_kg
         (n_points,) mass at each test point: the roving sensor's, shared among its mountings.
+
+    Raises
+    ------
+    EstimateError
+        If the fit ends with a drive that does not swing.
     """
 
     def modes_of(structure: Structure) -> tuple[ReducedModel, ModelModes]:
         model = reduce_model(superset, dynamics, structure, added_mass_kg=added_mass_kg)
         return model, model_modes(model)
 
-    model, modes = modes_of(fit.state.structure)
+    try:
+        model, modes = modes_of(fit.state.structure)
+    except EstimateError as problem:
+        raise EstimateError(
+            f"the fit ends with a drive that does not swing: {problem}. Its link's mass and "
+            "moments in the arm file may be far from the arm's (docs/own-arm.md): correct them, or "
+            "take its stiffness out so that it is believed rigid"
+        ) from problem
     n, n_modes = len(fit.parameters.names), modes.f_hz.size
     slopes = np.zeros((n, n_modes * (2 + n_modes)))
     n_structural = 2 * len(fit.state.structure.joints) + 6 * len(fit.state.structure.axes)

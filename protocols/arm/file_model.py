@@ -98,7 +98,7 @@ class LinkTable(FileModel):
 
 
 class InertialStdTable(FileModel):
-    """One standard deviation of one link's inertial."""
+    """One standard deviation of one link's inertial, and whether its shape alone tells it."""
 
     mass: Relative
     inertia: Relative
@@ -202,7 +202,6 @@ class TolerancesTable(FileModel):
     mass: Relative
     inertia: Relative
     center_m: Annotated[float, Field(gt=0.0, le=1.0)]
-    guessed: bool = False
     encoder_offset_deg: SmallAngleDeg
     sensor_tilt_deg: SmallAngleDeg
     sensor_gain: Relative
