@@ -218,6 +218,7 @@ def test_nothing_is_published_over_a_whole_session(lab, fakes, serve):
     )
     assert isinstance(end, Finished)
     assert (code, end.complete) == (0, True)
+    broker.until(DISCONNECT)
     broker.close()
     assert broker.received[PUBLISH] == 0
     assert set(broker.received) - {PINGREQ} == {CONNECT, SUBSCRIBE, DISCONNECT}

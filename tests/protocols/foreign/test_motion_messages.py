@@ -149,6 +149,7 @@ def test_a_damaged_file_is_one_message(arm, tmp_path, kind):
 
 def test_a_file_that_is_not_there_and_topics_of_a_csv_are_refused(arm, tmp_path):
     assert "found no such file" in refused(tmp_path / "none.mcap", arm)
+    (tmp_path / "log.csv").write_text("time_s,here\n0,1\n1,2\n")
     assert "with a CSV log" in refused(tmp_path / "log.csv", arm, {"encoder": "/a"})
 
 
