@@ -22,7 +22,6 @@ _Complex = npt.NDArray[np.complex128]
 
 _LEAST_PROGRESS = 0.95  # of the misfit without one more
 _ROUNDING = 1e-12  # of the FRFs' weighted squares, below which nothing is left over
-_MOST_TRIED = 3  # the most promising
 _COARSE = 400  # lines that tell which are promising
 _BROAD = 8  # poles tried within the band, each as wide as the next is far
 _BEYOND = (1.02, 1.1, 1.5)  # times the band's upper end, or parts of its lower one
@@ -91,7 +90,7 @@ def _with_one_more(
     tried = [np.append(fit.poles, one) for one in _tried(band_hz)]
     costs = [float(regress(coarse, one, pole_terms=False).cost.sum()) for one in tried]
     before = float(regress(coarse, fit.poles, pole_terms=False).cost.sum())
-    for start in np.argsort(costs)[:_MOST_TRIED]:
+    for start in np.argsort(costs):
         if costs[start] > _LEAST_PROGRESS * before:
             return None
         more = refine_poles(data, tried[start])

@@ -36,7 +36,6 @@ __all__ = [
     "modal_data",
     "regress",
     "residual_terms",
-    "with_background",
 ]
 
 NO_POLES: npt.NDArray[np.complex128] = np.empty(0, dtype=np.complex128)
@@ -132,11 +131,6 @@ def modal_data(
         background=background,
         terms=terms,
     )
-
-
-def with_background(data: ModalData, background: npt.NDArray[np.complex128]) -> ModalData:
-    """The same FRFs and weights with other background poles."""
-    return modal_data(data.form, data.s, data.values, data.variance, background)
 
 
 def residual_terms(

@@ -42,8 +42,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each elastic joint (W. D. Iwan, J. Appl. Mech. 33 (1966) 893).
 
     Damping grows with the level until all slips, is highest there, and falls beyond: where the
-    highest lies between soft and hard hits both have about the same (its own law
-    tells).
+    highest lies between soft and hard hits both have about the same: its own law tells.
     """
     return level_instances(
         ordinary,
