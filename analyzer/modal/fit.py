@@ -97,7 +97,8 @@ def fit_modes_at(
 ) -> ModalModel:
     """Shapes, refined poles and residual terms from poles picked by hand.
 
-    Every pole given is kept and refined to the least weighted misfit; none is added.
+    Every pole given is kept and refined to the least weighted misfit; none is added, of a
+    background neither: beside a few modes it would take on those that were not picked.
 
     Parameters
     ----------
@@ -128,11 +129,7 @@ def fit_modes_at(
     problem, transposed = _problem(frf, lines)
     try:
         # A pole picked is some order's, not yet where the FRFs have it.
-        data = problem.data()
-        poles, background = with_background_found(
-            data, refine_poles(data, poles).poles, problem.band_hz, line_share=problem.line_share
-        )
-        problem = replace(problem, background=background)
+        poles = refine_poles(problem.data(), poles).poles
         problem, data = _reweighted(problem, poles, told=lines.told, put_together=False)
         return _fitted(
             frf,
