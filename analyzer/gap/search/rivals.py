@@ -20,7 +20,13 @@ from armodal.analyzer.gap.inference.fit import (
     fit_hypothesis,
 )
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.candidates import all_candidates, goes_with, other_candidates
+from armodal.analyzer.gap.search.beginnings import promising_beginnings
+from armodal.analyzer.gap.search.candidates import (
+    all_candidates,
+    goes_with,
+    other_candidates,
+    others_beside,
+)
 from armodal.analyzer.gap.search.laws import fitted_laws
 from armodal.analyzer.gap.search.scan import Candidate
 
@@ -100,14 +106,16 @@ def find_rivals(
     if fitted is None:
         base = annealed(stages, present, start)
     else:
-        wide = fit_hypothesis(stages[0], present, resumed=fitted, max_iterations=STEPS)
-        base = [wide, fitted]
+        before = (stages[0], stages[-2])
+        base = [fit_hypothesis(s, present, resumed=fitted, max_iterations=STEPS) for s in before]
+        base.append(fitted)
     others = other_candidates(sharp, base[-1])
     looked = all_candidates(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
     promising = [c for c in looked if c.gain > LOOK][: _kept(len(stages) - 2)]
-    finals = _hopeful([_begun(sharp, base[-1], c, start) for c in promising])
+    near = [_begun(sharp, base[-1], c, start) for c in promising]
+    finals = _hopeful([*near, *_from_beginnings(stages[-2:], base[-2], without)])
     if needs_more(base[-1], finals):
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
@@ -191,6 +199,21 @@ def _far(
             return []
         tell(f"{len(fits)} candidates fitted on sharper lines, first: {fits[0].hypothesis.name}")
         fits = _hopeful([_further(stage, f) for f in fits])
+    return fits
+
+
+def _from_beginnings(
+    stages: Sequence[Stage], base: Fit, without: Collection[tuple[str, str]]
+) -> list[Fit]:
+    """Some steps, on middle and on sharp lines, of what only its own beginnings tell."""
+    middle, sharp = stages
+    instances = [i for i in others_beside(base) if i.key not in without]
+    looked = promising_beginnings(middle, base, instances)
+    fits: list[Fit] = []
+    for _, instance, begin in [entry for entry in looked[:_LEADING] if entry[0] > LOOK]:
+        richer = replace(base.hypothesis, instances=(*base.hypothesis.instances, instance))
+        near = fit_hypothesis(middle, richer, start=begin, max_iterations=STEPS)
+        fits.append(fit_hypothesis(sharp, richer, start=near.values, max_iterations=STEPS))
     return fits
 
 

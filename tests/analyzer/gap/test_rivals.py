@@ -32,6 +32,7 @@ def fits_from_the_start_end_lower(monkeypatch):
     monkeypatch.setattr(rivals, "fit_hypothesis", lambda *_, **how: how.get("resumed", FRESH))
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: [])
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
 
 
 @pytest.mark.usefixtures("fits_from_the_start_end_lower")
@@ -67,6 +68,7 @@ def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
     )
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
     find_rivals(STAGES, NAMED, lambda *_: False, start={})
     sizes = [values["soft"] for values in tried["soft"] if "soft" in values]
     assert min(sizes) < soft.std
