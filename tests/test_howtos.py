@@ -1,0 +1,76 @@
+"""Whole files of the how-to guides, laid into a copy of the project, do what the guides say."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.howto import PAGES, files_shown
+
+PROJECT = Path(__file__).parents[1]
+FOLDERS = ("analyzer", "armodal", "daq", "hil_sim", "protocols", "tests", "tui")
+LONGEST = 60  # lines of a file, for somebody who adds his first
+# What is found in the folders that are searched.
+FOUND = {
+    "add-a-screen": """
+from armodal.tui.screens.review.pane import review_panes
+from armodal.tui.screens.run.operator_screen import operator_screens
+print(*review_panes(), *operator_screens())""",
+}
+# Tests of all that is found, beside those that the guide shows.
+OF_ALL = {
+    "add-a-screen": (
+        "tests/tui/screens/review/test_pane.py",
+        "tests/tui/screens/run/test_operator_screen.py",
+    ),
+}
+SHOWN = {page.stem: files_shown(page.stem) for page in sorted(PAGES.glob("add-*.md"))}
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """A copy of the project that may be added to."""
+    root = tmp_path_factory.mktemp("project")
+    left_out = shutil.ignore_patterns("__pycache__")
+    for name in FOLDERS:
+        shutil.copytree(PROJECT / name, root / name, symlinks=True, ignore=left_out)
+    shutil.copy(PROJECT / "pyproject.toml", root)
+    return root
+
+
+def run_in(root: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": str(root)}
+    return subprocess.run(
+        [sys.executable, *command],
+        cwd=root,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("page", [page for page, files in SHOWN.items() if files])
+def test_what_a_guide_shows_is_found_by_itself_and_its_tests_pass(copy, page):
+    files = SHOWN[page]
+    for name, text in files.items():
+        assert not (copy / name).exists()
+        assert len(text.splitlines()) <= LONGEST
+        (copy / name).write_text(text, encoding="utf-8")
+    try:
+        tests = [name for name in files if name.startswith("tests/")]
+        found = run_in(copy, "-c", FOUND[page]).stdout.split()
+        assert {Path(name).stem for name in files.keys() - set(tests)} <= set(found)
+        ran = run_in(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests, *OF_ALL[page])
+        assert ran.returncode == 0, ran.stdout
+        for tool in (("format", "--check"), ("check",)):
+            ran = run_in(copy, "-m", "ruff", *tool, *files)
+            assert ran.returncode == 0, ran.stdout
+    finally:
+        for name in files:
+            (copy / name).unlink()
