@@ -140,13 +140,19 @@ def test_a_rule_between_its_fields_binds_both_sides(library):
         decode(Identify, broken)
 
 
-def test_the_document_gets_its_table_between_its_markers():
+def test_the_document_gets_its_table_at_the_end_of_its_section():
+    made = document_with_tables(DOCUMENT.read_text(encoding="utf-8"), ADDED)
+    assert "| `08` | IDENTIFY | host | 16 bytes, section 8 |" in made
+    section = made[made.index("\n## 8.") : made.index("\n## 9.")]
+    assert "### IDENTIFY\n\nWhat a board does that a person looks for among several.\n" in section
+    assert "| 4 | i32 | offset | counts | of the brightness; -5 or more |" in section
+    assert document_with_tables(made, ADDED) == made
+
+
+def test_a_marker_that_names_nothing_is_refused():
     document = DOCUMENT.read_text(encoding="utf-8")
     with pytest.raises(ValueError, match="IDENTIFY"):
-        document_with_tables(document, ADDED)
-    made = document_with_tables(document + MARKERS, ADDED)
-    assert "| `08` | IDENTIFY | host | 16 bytes, section 8 |" in made
-    assert "| 4 | i32 | offset | counts | of the brightness; -5 or more |" in made
+        document_with_tables(document + MARKERS, TABLE)
 
 
 def test_a_longer_command_asks_for_a_larger_receive_buffer(library):
