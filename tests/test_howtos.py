@@ -12,7 +12,8 @@ import pytest
 from support.howto import PAGES, files_shown
 
 PROJECT = Path(__file__).parents[1]
-FOLDERS = ("analyzer", "armodal", "daq", "hil_sim", "protocols", "tests", "tui")
+FOLDERS = ("analyzer", "armodal", "daq", "docs", "hil_sim", "protocols", "tests", "tui")
+PYTEST = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long")
 LONGEST = 60  # lines of a file, for somebody who adds his first
 # What is found in the folders that are searched.
 FOUND = {
@@ -20,12 +21,24 @@ FOUND = {
 from armodal.tui.screens.review.pane import review_panes
 from armodal.tui.screens.run.operator_screen import operator_screens
 print(*review_panes(), *operator_screens())""",
+    "add-an-effect": """
+from armodal.analyzer.gap.library import hooks
+from armodal.hil_sim.effects import modules_with
+print(*(make.__module__.split(".")[-1] for make in hooks("instances")))
+print(*modules_with("__all__"))""",
 }
 # Tests of all that is found, beside those that the guide shows.
 OF_ALL = {
     "add-a-screen": (
         "tests/tui/screens/review/test_pane.py",
         "tests/tui/screens/run/test_operator_screen.py",
+    ),
+    "add-an-effect": (
+        "tests/analyzer/gap/test_every_effect.py",
+        "tests/analyzer/gap/test_effects_own_themselves.py",
+        "tests/analyzer/gap/test_no_shared_numbers.py",
+        "tests/analyzer/gap/test_priors_have_sources.py",
+        "tests/test_truth_stays_hidden.py",
     ),
 }
 SHOWN = {page.stem: files_shown(page.stem) for page in sorted(PAGES.glob("add-*.md"))}
@@ -55,7 +68,7 @@ def run_in(root: Path, *command: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("page", [page for page, files in SHOWN.items() if files])
+@pytest.mark.parametrize("page", FOUND)
 def test_what_a_guide_shows_is_found_by_itself_and_its_tests_pass(copy, page):
     files = SHOWN[page]
     for name, text in files.items():
@@ -66,7 +79,7 @@ def test_what_a_guide_shows_is_found_by_itself_and_its_tests_pass(copy, page):
         tests = [name for name in files if name.startswith("tests/")]
         found = run_in(copy, "-c", FOUND[page]).stdout.split()
         assert {Path(name).stem for name in files.keys() - set(tests)} <= set(found)
-        ran = run_in(copy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests, *OF_ALL[page])
+        ran = run_in(copy, *PYTEST, *tests, *OF_ALL[page])
         assert ran.returncode == 0, ran.stdout
         for tool in (("format", "--check"), ("check",)):
             ran = run_in(copy, "-m", "ruff", *tool, *files)

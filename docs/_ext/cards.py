@@ -73,6 +73,8 @@ def _card(
     if sized is not None:
         unit = f" {sized.unit}" if sized.unit else ""
         lines += [f"**Worth a name from**\n: {sized.material:.3g}{unit} (on `{_ARM}`)\n"]
+    sources = getattr(importlib.import_module(_module_of(file)), "SOURCES", {})
+    lines += [f"**Source of `{name}`**\n: {_sentence(text)}\n" for name, text in sources.items()]
     if drawn:
         caption = (
             f"Accelerance at a point of the last link of `{_ARM}`, without the effect and with "
@@ -80,6 +82,10 @@ def _card(
         )
         lines += [f"![Accelerance with and without it]({words.name}.svg)", "", caption, ""]
     return "\n".join([*lines, f"Code: `{file}`."]) + "\n"
+
+
+def _module_of(file: str) -> str:
+    return "armodal." + file.removesuffix(".py").replace("/", ".")
 
 
 def _said(words: EffectWords, titles: dict[str, str]) -> Iterator[tuple[str, str]]:
