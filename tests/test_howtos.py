@@ -21,6 +21,13 @@ FOUND = {
 from armodal.tui.screens.review.pane import review_panes
 from armodal.tui.screens.run.operator_screen import operator_screens
 print(*review_panes(), *operator_screens())""",
+    "add-a-file-format": """
+from armodal.protocols.foreign.file_format import every_format
+print(*(own.name.lower() for own in every_format()))""",
+    "add-a-source-of-samples": """
+from pkgutil import iter_modules
+from armodal.daq.front_end import drivers
+print(*(module.name for module in iter_modules(drivers.__path__)))""",
     "add-an-effect": """
 from armodal.analyzer.gap.library import hooks
 from armodal.hil_sim.effects import modules_with
@@ -33,6 +40,11 @@ OF_ALL = {
         "tests/tui/screens/review/test_pane.py",
         "tests/tui/screens/run/test_operator_screen.py",
     ),
+    "add-a-file-format": (
+        "tests/protocols/foreign/test_file_format.py",
+        "tests/protocols/foreign/test_any_bytes.py",
+    ),
+    "add-a-source-of-samples": ("tests/protocols/test_front_end.py",),
     "add-an-effect": (
         "tests/analyzer/gap/test_every_effect.py",
         "tests/analyzer/gap/test_effects_own_themselves.py",
