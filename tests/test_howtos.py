@@ -17,10 +17,15 @@ PYTEST = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long")
 LONGEST = 60  # lines of a file, for somebody who adds his first
 # What is found in the folders that are searched.
 FOUND = {
+    "add-a-command": "from armodal.tui.cli import command_modules; print(*command_modules())",
     "add-a-screen": """
 from armodal.tui.screens.review.pane import review_panes
 from armodal.tui.screens.run.operator_screen import operator_screens
 print(*review_panes(), *operator_screens())""",
+    "add-an-arm": """
+from armodal.protocols.arm.files import shipped_arms
+from armodal.protocols.plan import shipped_plans
+print(*shipped_arms(), *shipped_plans())""",
     "add-a-file-format": """
 from armodal.protocols.foreign.file_format import every_format
 print(*(own.name.lower() for own in every_format()))""",
@@ -36,9 +41,15 @@ print(*modules_with("__all__"))""",
 }
 # Tests of all that is found, beside those that the guide shows.
 OF_ALL = {
+    "add-a-command": ("tests/tui/test_cli.py", "tests/tui/test_start.py"),
     "add-a-screen": (
         "tests/tui/screens/review/test_pane.py",
         "tests/tui/screens/run/test_operator_screen.py",
+    ),
+    "add-an-arm": (
+        "tests/protocols/test_plan.py",
+        "tests/hil_sim/test_rehearsal.py",
+        "tests/test_licences.py::test_every_shipped_robot_file_has_an_origin",
     ),
     "add-a-file-format": (
         "tests/protocols/foreign/test_file_format.py",
@@ -94,7 +105,7 @@ def test_what_a_guide_shows_is_found_by_itself_and_its_tests_pass(copy, page):
         ran = run_in(copy, *PYTEST, *tests, *OF_ALL[page])
         assert ran.returncode == 0, ran.stdout
         for tool in (("format", "--check"), ("check",)):
-            ran = run_in(copy, "-m", "ruff", *tool, *files)
+            ran = run_in(copy, "-m", "ruff", *tool, *(name for name in files if name[-3:] == ".py"))
             assert ran.returncode == 0, ran.stdout
     finally:
         for name in files:
