@@ -63,7 +63,7 @@ def too_wide(site: Path, browser: str) -> list[tuple[str, int, str]]:
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
         with tempfile.TemporaryDirectory() as profile:
-            shown = subprocess.run(
+            shown = subprocess.run(  # noqa: S603 - the browser of this machine
                 [
                     browser,
                     "--headless",
