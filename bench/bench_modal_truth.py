@@ -30,6 +30,7 @@ from armodal.analyzer.modal import fit_modes
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
 SEEDS = range(100)
+TOP_HZ = 400.0
 PYOMA_SEEDS = range(20)  # a fit of its takes some seconds
 F_TOLERANCE, DAMPING_TOLERANCE = 2e-3, 0.05
 BOUND_SHARE = 0.2  # of the tolerance: beyond it a mode does not count
@@ -82,7 +83,7 @@ def run(form: FrfForm, *, complex_shapes: bool) -> None:
     worst_f, worst_zeta = 0.0, 0.0
     for seed in SEEDS:
         made: EightModes = eight_modes(
-            np.random.default_rng(seed), form=form, complex_shapes=complex_shapes
+            np.random.default_rng(seed), form=form, complex_shapes=complex_shapes, top_hz=TOP_HZ
         )
         model = fit_modes(made.frf)
         bound = cramer_rao_std(made)  # (8, 2) Hz and damping ratio
@@ -117,7 +118,7 @@ def beside_pyoma() -> None:
     """Both on the same FRFs, receptance of real shapes, by the same measure."""
     ours, theirs, taken = 0, 0, [0.0, 0.0]
     for seed in PYOMA_SEEDS:
-        made = eight_modes(np.random.default_rng(seed))
+        made = eight_modes(np.random.default_rng(seed), top_hz=TOP_HZ)
         truth = np.stack([EIGHT_HZ, -made.poles.real / np.abs(made.poles)], axis=1)
 
         def right(found: np.ndarray, truth: np.ndarray = truth) -> bool:
@@ -154,7 +155,7 @@ def main() -> None:
     right, shown = 0, []
     try:
         for seed in SEEDS:
-            frf = eight_modes(np.random.default_rng(seed)).frf
+            frf = eight_modes(np.random.default_rng(seed), top_hz=TOP_HZ).frf
             found = sdypy_choice(frf)
             right += bool(np.all(np.abs(found / EIGHT_HZ - 1.0) < F_TOLERANCE))
             shown.append(found)

@@ -215,12 +215,17 @@ def _fit(
     _, at, mode = min(
         (share, at, mode) for at, posture in enumerate(shares) for mode, share in enumerate(posture)
     )
-    best, rivals = best_axis_fit(superset, baseline, coarse, measured, (at, mode), say)
-    say("model fit, all lines")
-    with_axis = fit_frfs(superset, full, best.state)
-    why = why_no_axis(superset, with_axis.state.structure, full)
-    if why is None:
-        return with_axis, rivals, ()
+    rivals: tuple[tuple[str, float], ...] = ()
+    try:
+        best, rivals = best_axis_fit(superset, baseline, coarse, measured, (at, mode), say)
+        say("model fit, all lines")
+        with_axis = fit_frfs(superset, full, best.state)
+        why = why_no_axis(superset, with_axis.state.structure, full)
+        if why is None:
+            return with_axis, rivals, ()
+    except EstimateError as problem:
+        # What the joints leave need not be an axis.
+        why = f"joints alone leave much, but no axis in a link explains it: {problem}"
     return fit_frfs(superset, full, start_state(baseline, len(full))), rivals, (why,)
 
 

@@ -12,14 +12,9 @@ from armodal.analyzer.gap.inference.held_out import HeldOut
 from armodal.analyzer.gap.library import together
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.rivals import PATIENCE
+from armodal.analyzer.gap.search.rivals import PATIENCE, STEPS, annealed
 
 __all__ = ["Step", "beside_rivals", "with_step"]
-
-_FEW_STEPS = 4
-# Of priors: an ordinary error beyond it took on what an effect is to explain.
-_BELIEVABLE = 4.9
-_FROM_THE_START = (12, 8, 8, 24)  # steps on the lines of each stage
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,19 +66,15 @@ def with_step(
 
 
 def _begun_again(stages: Sequence[Stage], fit: Fit, begin: Mapping[str, float]) -> Fit:
-    """The fit from nothing, if it is better than one that ended beyond belief.
+    """The fit from nothing, if it is better than one that ended at a limit of ordinary errors.
 
     With an effect missing, ordinary errors and the effects that are there take on what it explains;
     from their limits no step leads back: a body of 15 kg stayed one of 1.2 kg once the rotor beside
     it was found.
     """
-    if len(fit.hypothesis.instances) == 1 or fit.farthest < _BELIEVABLE:
+    if len(fit.hypothesis.instances) == 1 or not fit.has_ordinary_at_limit:
         return fit
-    again = fit_hypothesis(
-        stages[0], fit.hypothesis, start=begin, max_iterations=_FROM_THE_START[0]
-    )
-    for stage, steps in zip(stages[1:], _FROM_THE_START[1:], strict=True):
-        again = fit_hypothesis(stage, fit.hypothesis, start=again.values, max_iterations=steps)
+    again = annealed(stages, fit.hypothesis, begin)[-1]
     return again if again.evidence < fit.evidence else fit
 
 
@@ -110,7 +101,7 @@ def beside_rivals(
         if new.key == last.key or any(new.key == i.key or new.excludes(i) for i in before):
             continue
         instead = replace(fit.hypothesis, instances=(*before, new))
-        quick = fit_hypothesis(stage, instead, start=other.values, max_iterations=_FEW_STEPS)
+        quick = fit_hypothesis(stage, instead, start=other.values, max_iterations=STEPS)
         if quick.evidence - quick.promised > fit.evidence:
             continue
         ended = fit_hypothesis(stage, instead, resumed=quick)
@@ -138,7 +129,7 @@ def _rather_than(
                 continue
             instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
             instead = replace(fit.hypothesis, instances=instances)
-            quick = fit_hypothesis(stage, instead, start=begin, max_iterations=_FEW_STEPS)
+            quick = fit_hypothesis(stage, instead, start=begin, max_iterations=STEPS)
             if quick.evidence - quick.promised > fit.evidence:
                 continue
             ended = fit_hypothesis(stage, instead, resumed=quick)
@@ -194,7 +185,7 @@ def _still_earning(stage: Stage, fit: Fit, calibration: Calibration) -> tuple[Fi
     while True:
         for instance in fit.hypothesis.instances[:-1]:
             start, hypothesis = _taken_out(fit, instance)
-            fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=_FEW_STEPS)
+            fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=STEPS)
             small = not matters(stage, fewer, fit, instance)
             limit = calibration.limit(instance.effect.name)
             if small or fewer.evidence - PATIENCE * fewer.promised < fit.evidence + limit:

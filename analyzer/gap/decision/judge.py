@@ -23,6 +23,7 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.protocols.arm.records import Joint
 
 __all__ = [
+    "MOST",
     "SURELY_BY_LEVEL",
     "Judged",
     "Thresholds",
@@ -43,8 +44,7 @@ _MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scat
 # three no more than 8 to 14.
 SURELY_BY_LEVEL = 40.0
 _SLIGHT_PART = 0.02  # of a gain
-# Of the misfit, by an effect that is small as such: it explains more than all others together.
-_MOST_LEFT = 0.5
+MOST = 0.5  # of a misfit: what explains as much explains more than all others together
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,10 +58,9 @@ class Thresholds:
     # Nats of what is too small to matter: then it is not that. And of what is large, but of
     # uncertain size: then it is no patch.
     unplaced: float = 1000.0
-    # Likewise beside a name: of 260 right ones of sealed cases none left more than 202.
-    beside_name: float = 250.0
-    # Wanted of another effect beside one that follows the level: right ones leave 207 at most.
-    beside_level: float = 250.0
+    # Likewise beside a name, and wanted of another effect beside one that follows the level: of 260
+    # right ones of sealed cases none left more than 207.
+    beside: float = 250.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,7 +134,7 @@ def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance) -> bool:
     """
     if instance.is_material(fit.values):
         return True
-    return misfit_per_line(stage, fit) < _MOST_LEFT * misfit_per_line(stage, without)
+    return misfit_per_line(stage, fit) < (1.0 - MOST) * misfit_per_line(stage, without)
 
 
 def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> float:
@@ -147,7 +146,7 @@ def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> floa
     *others, added = fit.hypothesis.instances
     limit = calibration.limit(added.effect.name)
     if any(other.level_dependent for other in others):
-        return max(limit, thresholds.beside_level * calibration.inflation)
+        return max(limit, thresholds.beside * calibration.inflation)
     return limit
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.calibration import Calibration
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds, judge
+from armodal.analyzer.gap.decision.judge import MOST, Judged, Thresholds, judge
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.held_out import held_out
@@ -19,9 +19,7 @@ from armodal.analyzer.gap.search.rivals import Rivals
 __all__ = ["judge_round", "step_to"]
 
 _MOST_EFFECTS, _MOST_ROUNDS = 3, 5
-# Of what ordinary errors do not leave, by a first name and by one beside it; a name for less would
-# be a guess.
-_LEAST_EXPLAINED, _LEAST_BESIDE = 0.25, 0.5
+_LEAST_EXPLAINED = 0.25  # of a misfit, by a first name: one for less would be a guess
 
 Tell = Callable[[str], None]
 
@@ -82,7 +80,7 @@ def step_to(
         Effects named before: one beside others must explain more.
     """
     beyond = misfit_per_line(stage, better) > leaves(better)
-    least = _LEAST_BESIDE if n_named else _LEAST_EXPLAINED
+    least = MOST if n_named else _LEAST_EXPLAINED
     if beyond and _explained(stage, present, better) < least:
         return None, "is the best of the library, but leaves most of what is missing"
     tell(f"held-out postures: {better.hypothesis.name}")

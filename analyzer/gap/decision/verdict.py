@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -23,8 +23,6 @@ from armodal.analyzer.gap.search.rivals import Rivals
 __all__ = ["verdict_of"]
 
 Leaves = Callable[[Fit], float]
-
-_LIKELY = 20.0  # of evidence: an effect may be there
 
 
 def verdict_of(
@@ -67,7 +65,7 @@ def verdict_of(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
         )
-    if _is_unfollowed(final, found, standing, named=named, is_much=is_much):
+    if _is_unfollowed(final, found, judged, named=named, is_much=is_much):
         why.append("the response depends on the hits' level, and nothing that was named does")
     unplaced = _is_unplaced(final, found, judged, named=named, limits=limits)
     if why or unplaced or is_much:
@@ -98,7 +96,7 @@ def _is_unplaced(
 ) -> bool:
     """Whether much is told by what is too small to matter, or of uncertain size."""
     beside = named or final.hypothesis.level_dependent
-    beyond_doubt = limits.beside_name if beside else limits.unplaced
+    beyond_doubt = limits.beside if beside else limits.unplaced
     return not judged.standing and any(
         found.present.evidence - fit.evidence > beyond_doubt * judged.phi for fit in found.rivals
     )
@@ -121,7 +119,7 @@ def _left_by_level(stage: Stage, final: Fit) -> float:
 def _is_unfollowed(
     final: Fit,
     found: Rivals,
-    standing: Sequence[Fit],
+    judged: Judged,
     *,
     named: bool,
     is_much: bool,
@@ -137,5 +135,6 @@ def _is_unfollowed(
         return True
     if not follows_no_level(hypothesis):
         return False
-    likely = [f for f in found.rivals if found.present.evidence - f.evidence > _LIKELY]
-    return named or not any(f.hypothesis.level_dependent for f in (*standing, *likely))
+    least = judged.calibration.apart
+    likely = [f for f in found.rivals if found.present.evidence - f.evidence > least]
+    return named or not any(f.hypothesis.level_dependent for f in (*judged.standing, *likely))

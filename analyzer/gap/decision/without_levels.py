@@ -11,25 +11,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from armodal.analyzer.arm.same_parts import check_same_parts
 from armodal.analyzer.gap.decision.data_requirements import check_data_requirements
-from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.fit import Fit
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hit_levels import has_levels
-from armodal.analyzer.gap.records import NextTest
-from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import EstimateError
-from armodal.protocols.plan_records import Plan
-from armodal.protocols.plan_rewrite import text_with_peaks
 from armodal.protocols.session.records import Session
 
-__all__ = ["LEVELS_NEEDED", "first_with_levels", "hits_at_levels", "is_alike", "titles"]
+__all__ = ["ALIKE", "LEVELS_NEEDED", "first_with_levels", "is_alike", "titles"]
 
-_ALIKE = "a joint that changes with the hits' level"
-LEVELS_NEEDED = f"without points hit softly and hard {_ALIKE} looks the same"
-_SOFTER, _HARDER = 3.0, 2.5  # than hits are as they come
+ALIKE = "a joint that changes with the hits' level"
+LEVELS_NEEDED = f"without points hit softly and hard {ALIKE} looks the same"
 
 
 def is_alike(fit: Fit) -> bool:
@@ -51,7 +44,7 @@ def titles(standing: Sequence[Fit]) -> str:
     found = [fit.title for fit in standing]
     if any(is_alike(fit) for fit in standing):
         told = [f.title for f in standing if f.hypothesis.instances]
-        found = [*told, _ALIKE]
+        found = [*told, ALIKE]
     return " or ".join(found)
 
 
@@ -75,32 +68,6 @@ def first_with_levels(
     note = f"test {list(more).index(chosen) + 2} has hits at several levels; {words} left out"
     first = replace(chosen, header=replace(chosen.header, arm=session.header.arm))
     return first, tuple(levelled), [note]
-
-
-def hits_at_levels(stage: Stage, arm: Arm, standing: Sequence[Fit], plan: Plan) -> NextTest:
-    """The session's own plan once more, every point hit softly, as before and hard.
-
-    Parameters
-    ----------
-    standing
-        What it tells apart; nothing where no model explains the session, and a joint that changes
-        with the level is what was not looked for.
-
-    Raises
-    ------
-    PlanError
-        If the plan is not possible for the arm the session is judged with.
-    """
-    middle = float(np.exp(np.mean([np.log(own.peak_n) for own in stage.lines])))
-    peaks_n = (middle / _SOFTER, middle, middle * _HARDER)
-    why = f"tells apart: {titles(standing)}" if standing else f"shows whether {_ALIKE} is missing"
-    told = ", ".join(f"{peak:.0f}" for peak in peaks_n)
-    return NextTest(
-        words=f"measure the whole plan again, every point with hits of about {told} N",
-        why=why,
-        gain=None,
-        plan_toml=text_with_peaks(plan, arm, peaks_n, comment=f"Proposed: {why}"),
-    )
 
 
 def _is_enough(session: Session) -> bool:

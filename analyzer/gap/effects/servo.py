@@ -29,7 +29,8 @@ WORDS = EffectWords(
 _BRAKED = 1e-3  # of its compliance, a brake leaves a servo
 # Of the carried moment: drives are chosen for a reflected inertia of a tenth to all of the load's.
 _ROTOR = 0.3
-_LOSS_S = 3e-4  # no source: assumed, and as wide
+# Of the rotor on its servo: from hardly damped to critical, as loops of a position are tuned.
+_DAMPING_RATIO = 0.5
 _MATERIAL = 0.05  # servo compliance over the joint's
 # Its part of the joint's compliance and its rotor, of what is typical, where a fit may begin: of no
 # size at all it changes nothing.
@@ -72,6 +73,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.stretched_by[joint] = own
 
         moment = carried_moment(ordinary, i)
+        # Of c/k, with stiffness and rotor as they typically are.
+        lag = 2.0 * _DAMPING_RATIO * float(np.sqrt(gamma * _ROTOR * moment))
 
         def starts(
             values: Mapping[str, float],
@@ -99,7 +102,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 place=joint,
                 parameters=(
                     Parameter(name=soft, unit="rad/(N m)", mean=0.0, std=gamma, low=0.0),
-                    Parameter(name=loss, unit="s", mean=_LOSS_S, std=_LOSS_S, low=0.0),
+                    Parameter(name=loss, unit="s", mean=lag, std=lag, low=0.0),
                     Parameter(
                         name=inertia,
                         unit="kg m²",

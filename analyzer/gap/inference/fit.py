@@ -25,6 +25,7 @@ from armodal.analyzer.gap.inference.stage import Stage, models_of
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.linearised import linearised
+from armodal.analyzer.gap.model.ordinary import FARTHEST
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.weigh import Quadratic
 
@@ -85,11 +86,11 @@ class Fit:
         return self.hypothesis.instances[-1]
 
     @property
-    def farthest(self) -> float:
-        """Return how far any ordinary parameter is from its prior's mean, in prior deviations."""
+    def has_ordinary_at_limit(self) -> bool:
+        """Whether any ordinary parameter ended as far from its prior's mean as is tried."""
         own = {name for instance in self.hypothesis.instances for name in instance.owned}
         ordinary = [i for name, i in self.space.index.items() if name not in own]
-        return float(np.max(np.abs(self.u[ordinary])))
+        return bool(np.any(np.abs(self.u[ordinary]) > FARTHEST - _EDGE))
 
     @property
     def log_det(self) -> float:

@@ -33,11 +33,11 @@ from armodal.analyzer.gap.model.soft_parts import add_soft_parts, base_lever_m, 
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arm.records import Arm, Estimate
 
-__all__ = ["Ordinary"]
+__all__ = ["FARTHEST", "Ordinary"]
 
 Array = npt.NDArray[np.float64]
 
-_FARTHEST = 5.0  # prior deviations
+FARTHEST = 5.0  # prior deviations
 _UPRIGHT = 0.99  # cosine between an axis and gravity
 _LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
@@ -289,7 +289,7 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
 
 def _within_reason(parameter: Parameter) -> Parameter:
     """An error that nobody would call ordinary any more is not tried: it only misleads."""
-    reach = _FARTHEST * parameter.std
+    reach = FARTHEST * parameter.std
     return replace(
         parameter,
         low=max(parameter.low, parameter.mean - reach),

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armodal.analyzer.gap.decision.without_levels import hits_at_levels, is_alike
+from armodal.analyzer.gap.decision.without_levels import is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.next_test.at_levels import hits_at_levels
 from armodal.analyzer.gap.next_test.possible_tests import Test
 from armodal.analyzer.gap.next_test.proposal import hidden_rival, proposed
 from armodal.analyzer.gap.records import NextTest

@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import chdtri
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_at, fit_hypothesis
+from armodal.analyzer.gap.search.rivals import STEPS
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["HiddenSize"]
 
-_STEPS = 2
 _TRIALS = 4  # each of half the size
-_TOLD = 1.92  # of cost: 95 % of a single parameter's
 
 
 class HiddenSize:
@@ -53,7 +53,7 @@ class HiddenSize:
             return
         for halves in reversed(range(_TRIALS)):
             size = self.linear / 2.0**halves
-            if not self._has_room(size, steps=_STEPS):
+            if not self._has_room(size, steps=STEPS):
                 self.at_most = size
                 return
 
@@ -75,7 +75,9 @@ class HiddenSize:
             name: value + candidate.follow.get(name, 0.0) * size
             for name, value in final.values.items()
         }
-        enough = final.cost + _TOLD * self._inflation
+        enough = (
+            final.cost + 0.5 * float(chdtri(1, 0.05)) * self._inflation
+        )  # 95 % of one parameter's
         if cost_at(stage, hypothesis, followed) < enough:
             return True
         if steps == 0:

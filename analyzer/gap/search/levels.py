@@ -19,11 +19,10 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.linearised import swings_of
 from armodal.analyzer.gap.model.lines import PostureLines, scatter
 from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.search.rivals import LOOK
 from armodal.analyzer.gap.search.scan import scan_instances
 
 __all__ = ["Apart", "any_level", "told_apart", "weighed_anew"]
-
-_LEAST_GAIN = 12.0  # of cost by the linear look
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,11 +60,11 @@ def told_apart(
     None where a common change of one joint with the level promises too little to tell anything.
     """
     broad, middle = level_apart(1), level_apart(2)
-    fit = fit_hypothesis(broad, present, start=start, max_iterations=7, closing=False)
-    fit = fit_hypothesis(middle, present, start=fit.values, max_iterations=4)
+    fit = fit_hypothesis(broad, present, start=start, closing=False)
+    fit = fit_hypothesis(middle, present, start=fit.values)
     changes = any_change(present.ordinary)
     gain = scan_instances(middle, fit, changes)[0].gain
-    if gain < _LEAST_GAIN:
+    if gain < LOOK:
         return None
     free = any_level(middle, present, fit.values)
     anew = tuple(
@@ -80,7 +79,7 @@ def told_apart(
 def any_level(stage: Stage, present: Hypothesis, start: Mapping[str, float]) -> Fit:
     """Fit a hypothesis with every joint free to change with the hit's level."""
     wider = replace(present, instances=(*present.instances, *any_change(present.ordinary)))
-    return fit_hypothesis(stage, wider, start=start, max_iterations=8, closing=False)
+    return fit_hypothesis(stage, wider, start=start, closing=False)
 
 
 def weighed_anew(stage: Stage, free: Fit) -> list[PostureLines]:

@@ -20,23 +20,24 @@ from armodal.analyzer.gap.inference.fit import (
     fit_hypothesis,
 )
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.candidates import all_candidates, goes_with, other_candidates
+from armodal.analyzer.gap.search.beginnings import promising_beginnings
+from armodal.analyzer.gap.search.candidates import (
+    all_candidates,
+    goes_with,
+    other_candidates,
+    others_beside,
+)
 from armodal.analyzer.gap.search.laws import fitted_laws
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["PATIENCE", "Rivals", "find_rivals"]
+__all__ = ["LOOK", "PATIENCE", "STEPS", "Rivals", "annealed", "find_rivals"]
 
-# Candidates fitted on the widest, broad, middle and sharp lines, and steps of each.
-_KEPT = (28, 12, 6, 4)
-_STEPS = (3, 3, 3, 4)
+_KEPT = 28  # candidates fitted on the widest lines; on each sharper stage half as many
 _LEADING = 2  # of each stage, whose alternatives are fitted beside them
-_FIRST = 2  # steps of a fit that only tells whether to go on
-_NEAR = 8  # most promising about the present fit on the sharp lines
-_LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
+LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
-_SIZES = (0.1, 0.3, 1.0, 3.0)  # of a size's prior deviation, where it is zero at least: likewise
-_BLOCK, _MOST_STEPS = 4, 28  # steps of a finalist at a time, and in all
-_NULL_STEPS = (8, 5, 5, _MOST_STEPS)  # of the present hypothesis; on sharp lines as a finalist has
+_LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
+STEPS, MOST_STEPS = 3, 28  # of a fit until it is asked whether to go on, and in all
 # A fit goes on while so many times what it still promises could bring it beside the best: within
 # what tells two apart.
 PATIENCE, _BESIDE = 3.0, 25.0
@@ -102,17 +103,23 @@ def find_rivals(
     *_, sharp = stages
     start = dict(start or {})
     tell("the arm as its file has it" + "".join(f", with: {i.title}" for i in present.instances))
-    base = _annealed(stages, present, start, fitted)
+    if fitted is None:
+        base = annealed(stages, present, start)
+    else:
+        before = (stages[0], stages[-2])
+        base = [fit_hypothesis(s, present, resumed=fitted, max_iterations=STEPS) for s in before]
+        base.append(fitted)
     others = other_candidates(sharp, base[-1])
     looked = all_candidates(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
-    promising = [c for c in looked if c.gain > _LOOK][:_NEAR]
-    finals = _hopeful([_begun(sharp, base[-1], c, start, _FIRST) for c in promising])
+    promising = [c for c in looked if c.gain > LOOK][: _kept(len(stages) - 2)]
+    near = [_begun(sharp, base[-1], c, start) for c in promising]
+    finals = _hopeful([*near, *_from_beginnings(stages[-2:], base[-2], without)])
     if needs_more(base[-1], finals):
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
-            anew = _annealed(stages, present, _only_effects(present, start), None)[-1]
+            anew = annealed(stages, present, _only_effects(present, start))[-1]
             if anew.evidence < fitted.evidence:
                 return find_rivals(
                     stages,
@@ -125,9 +132,9 @@ def find_rivals(
                     afresh=False,
                 )
         finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
-        finals = [*finals, *_alternatives(sharp, finals[:_LEADING], _STEPS[-1])]
+        finals = [*finals, *_alternatives(sharp, finals[:_LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
-        finals = [*finals, *fitted_laws(sharp, base[-1], leading, _STEPS[-1], tell)]
+        finals = [*finals, *fitted_laws(sharp, base[-1], leading, STEPS, tell)]
         finals = _one_each([f for f in finals if f.last.key not in without])
     going_on = _hopeful(finals)
     behind = [f for f in finals if all(f is not other for other in going_on)]
@@ -138,28 +145,30 @@ def find_rivals(
     return Rivals(
         present=base[-1],
         rivals=tuple(_one_each(ended)),
-        let_go=tuple(behind[: _KEPT[-1]]),
+        let_go=tuple(behind[: _kept(len(stages) - 1)]),
         others=tuple(others),
     )
 
 
-def _annealed(
-    stages: Sequence[Stage],
-    present: Hypothesis,
-    start: Mapping[str, float],
-    fitted: Fit | None,
+def annealed(
+    stages: Sequence[Stage], hypothesis: Hypothesis, start: Mapping[str, float]
 ) -> list[Fit]:
-    """The present hypothesis on the lines of each stage; of the widest and sharpest if `fitted`."""
-    if fitted is not None:
-        return [fit_hypothesis(stages[0], present, resumed=fitted, max_iterations=2), fitted]
+    """Fit a hypothesis on the lines of each stage, where the one before ended."""
     found: list[Fit] = []
-    for stage, steps in zip(stages, _NULL_STEPS, strict=True):
+    for stage in stages:
         values = found[-1].values if found else start
         # Of those between only the end is asked for.
         closing = stage in (stages[0], stages[-1])
-        fit = fit_hypothesis(stage, present, start=values, max_iterations=steps, closing=closing)
+        fit = fit_hypothesis(
+            stage, hypothesis, start=values, max_iterations=MOST_STEPS, closing=closing
+        )
         found.append(fit)
     return found
+
+
+def _kept(stage: int) -> int:
+    """How many fits go on to a stage; to none less than one."""
+    return max(_KEPT >> stage, 1)
 
 
 def _far(
@@ -181,18 +190,30 @@ def _far(
         pool += [(c.gain, about, c) for c in looked]
     tell(f"{len(pool)} candidates fitted on wide lines")
     fits = _one_each(
-        [
-            _begun(widest, unfitted, c, begin, _STEPS[0], also=about)
-            for about, c in _chosen(pool, _KEPT[0])
-        ]
+        [_begun(widest, unfitted, c, begin, also=about) for about, c in _chosen(pool, _KEPT)]
     )
-    for before, stage, steps, kept in zip(stages, stages[1:], _STEPS[1:], _KEPT[1:], strict=False):
-        fits = [*fits, *_alternatives(before, fits[:_LEADING], _FIRST)]
-        fits = _hopeful([f for f in fits if f.last.key not in without])[:kept]
+    for number, stage in enumerate(stages[1:], 1):
+        fits = [*fits, *_alternatives(stages[number - 1], fits[:_LEADING])]
+        fits = _hopeful([f for f in fits if f.last.key not in without])[: _kept(number)]
         if not fits:
             return []
         tell(f"{len(fits)} candidates fitted on sharper lines, first: {fits[0].hypothesis.name}")
-        fits = _hopeful([_further(stage, f, steps) for f in fits])
+        fits = _hopeful([_further(stage, f) for f in fits])
+    return fits
+
+
+def _from_beginnings(
+    stages: Sequence[Stage], base: Fit, without: Collection[tuple[str, str]]
+) -> list[Fit]:
+    """Some steps, on middle and on sharp lines, of what only its own beginnings tell."""
+    middle, sharp = stages
+    instances = [i for i in others_beside(base) if i.key not in without]
+    looked = promising_beginnings(middle, base, instances)
+    fits: list[Fit] = []
+    for _, instance, begin in [entry for entry in looked[:_LEADING] if entry[0] > LOOK]:
+        richer = replace(base.hypothesis, instances=(*base.hypothesis.instances, instance))
+        near = fit_hypothesis(middle, richer, start=begin, max_iterations=STEPS)
+        fits.append(fit_hypothesis(sharp, richer, start=near.values, max_iterations=STEPS))
     return fits
 
 
@@ -218,7 +239,6 @@ def _begun(
     about: Fit,
     candidate: Candidate,
     start: Mapping[str, float],
-    steps: int,
     *,
     also: Fit | None = None,
 ) -> Fit:
@@ -240,9 +260,9 @@ def _begun(
             starts += candidate.instance.initial_values(base)
         starts += _of_every_size(base, candidate)
     best = better_start(stage, richer, starts)
-    fits = [fit_hypothesis(stage, richer, start=best, max_iterations=steps)]
+    fits = [fit_hypothesis(stage, richer, start=best, max_iterations=STEPS)]
     if also is not None and best is not values:
-        fits.append(fit_hypothesis(stage, richer, start=values, max_iterations=steps))
+        fits.append(fit_hypothesis(stage, richer, start=values, max_iterations=STEPS))
     return min(fits, key=lambda fit: fit.evidence)
 
 
@@ -260,7 +280,7 @@ def _of_every_size(
     if size is None or (size.mean, size.low) != (0.0, 0.0):
         return ()
     reached = {**values, **_part_of_the_way(values, candidate, 1.0)}
-    return [{**reached, size.name: part * size.std} for part in _SIZES]
+    return [{**reached, size.name: part * _LARGEST * size.std} for part in _PARTS]
 
 
 def _part_of_the_way(
@@ -277,7 +297,7 @@ def _part_of_the_way(
     return start
 
 
-def _alternatives(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
+def _alternatives(stage: Stage, fits: Sequence[Fit]) -> list[Fit]:
     """What leading fits may stand for."""
     found = []
     for fit in fits:
@@ -288,7 +308,7 @@ def _alternatives(stage: Stage, fits: Sequence[Fit], steps: int) -> list[Fit]:
         for instance, begin in last.alternatives(fit.values):
             if goes_with(instance, rest) and all(instance.key != i.key for i in others):
                 richer = replace(rest, instances=(*others, instance))
-                found.append(fit_hypothesis(stage, richer, start=begin, max_iterations=steps))
+                found.append(fit_hypothesis(stage, richer, start=begin, max_iterations=STEPS))
     return found
 
 
@@ -306,17 +326,17 @@ def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
     return [f for f in each if f.evidence - PATIENCE * f.promised < each[0].evidence + _BESIDE]
 
 
-def _further(stage: Stage, fit: Fit, steps: int) -> Fit:
+def _further(stage: Stage, fit: Fit) -> Fit:
     if fit.converged and fit.on is not None and fit.on[0] is stage:
         return fit
-    return fit_hypothesis(stage, fit.hypothesis, resumed=fit, max_iterations=steps)
+    return fit_hypothesis(stage, fit.hypothesis, resumed=fit, max_iterations=STEPS)
 
 
 def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit]) -> Fit:
     """Some steps more at a time, while they could still bring a fit beside the best of others."""
     best = min((f.evidence for f in others), default=float("inf"))
-    for _ in range(0, _MOST_STEPS, _BLOCK):
-        further = _further(stage, fit, _BLOCK)
+    for _ in range(0, MOST_STEPS, STEPS):
+        further = _further(stage, fit)
         hopeless = further.evidence - PATIENCE * further.promised > best + _BESIDE
         if further is fit or further.converged or hopeless:
             return further

@@ -14,7 +14,9 @@ from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import FARTHEST
 from armodal.analyzer.gap.model.space import Parameter, Space
+from armodal.analyzer.gap.search import rivals
 
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()))
 SPACE = Space(
@@ -102,19 +104,20 @@ STAGES = ("widest", "broad", "middle", "sharp")
     ("off", "again", "kept"),
     [(5.0, 90.0, 90.0), (5.0, 110.0, 100.0), (4.8, 90.0, 100.0)],
 )
-def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_belief(
+def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_at_a_limit(
     off, again, kept, monkeypatch
 ):
-    """Beyond 4.9 deviations an ordinary error has taken on what the effect explains."""
+    """An ordinary error as far off as is tried has taken on what the effect explains."""
     begun = []
 
-    def fitted(stage, hypothesis, *, start=None, max_iterations, resumed=None):
+    def fitted(stage, hypothesis, *, start=None, max_iterations, resumed=None, closing=True):
         if len(hypothesis.instances) == 1:  # without one of the two
             return fit_to(hypothesis, 1e6)
         begun.append((stage, start))
         return fit_to(hypothesis, again)
 
-    monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
+    for module in (added_effect, rivals):
+        monkeypatch.setattr(module, "fit_hypothesis", fitted)
     payload, rotor = (
         Instance(effect=SimpleNamespace(name=name, title=""), place="")
         for name in ("body", "rotor")
@@ -124,7 +127,7 @@ def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_beyond_be
     fit, named = with_step(STAGES, [], step_to(ended), begin, [])
     assert fit.cost == kept
     assert [step.fit.last for step in named] == [rotor]
-    assert [stage for stage, _ in begun] == (list(STAGES) if off > 4.9 else [])
+    assert [stage for stage, _ in begun] == (list(STAGES) if off == FARTHEST else [])
     assert [start for _, start in begun[:1]] in ([], [begin])
 
 

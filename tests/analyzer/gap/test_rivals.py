@@ -32,6 +32,7 @@ def fits_from_the_start_end_lower(monkeypatch):
     monkeypatch.setattr(rivals, "fit_hypothesis", lambda *_, **how: how.get("resumed", FRESH))
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: [])
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
 
 
 @pytest.mark.usefixtures("fits_from_the_start_end_lower")
@@ -46,7 +47,7 @@ def test_what_a_stuck_fit_leaves_is_sought_from_the_start_before_in_other_effect
     assert found.present is present
 
 
-def test_a_compliance_is_begun_at_sizes_from_a_tenth_of_its_prior_to_several(monkeypatch):
+def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
     """A mode of its own comes down from above the lines: beside it the fit leads back to none."""
     soft = Parameter(name="soft", unit="rad/(N m)", mean=0.0, std=2e-6, low=0.0)
     pull = Parameter(name="pull", unit="", mean=0.0, std=1.0)
@@ -67,8 +68,9 @@ def test_a_compliance_is_begun_at_sizes_from_a_tenth_of_its_prior_to_several(mon
     )
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
     find_rivals(STAGES, NAMED, lambda *_: False, start={})
     sizes = [values["soft"] for values in tried["soft"] if "soft" in values]
-    assert min(sizes) <= 0.1 * soft.std
-    assert max(sizes) >= soft.std
+    assert min(sizes) < soft.std
+    assert max(sizes) >= 2.0 * soft.std  # a normal prior is rarely beyond
     assert all("pull" not in values for values in tried["pull"])  # signed: its slope tells

@@ -15,7 +15,6 @@ from armodal.analyzer.planning.selective import plan_tests
 from armodal.analyzer.workspace.spectrum import elastic_joints
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.errors import EstimateError
 
 OFF = np.array([1.35, 0.75, 1.25, 0.7, 1.3])  # truth over belief
 
@@ -26,12 +25,6 @@ def believed():
 
 
 @pytest.mark.long
-@pytest.mark.xfail(
-    reason="The fit of the joints is right, but about 195 Hz, where the hammer gives little force, "
-    "it leaves 19 % of the FRFs: more than what calls for an axis. That fit does not converge.",
-    raises=EstimateError,
-    strict=True,
-)
 def test_five_joints_of_the_viper_are_identified_from_planned_tests(believed, tmp_path):
     """Springs 25 to 35 % off the belief, the plan made on the belief."""
     elastic = elastic_joints(believed)

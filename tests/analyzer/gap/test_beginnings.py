@@ -1,0 +1,72 @@
+"""A servo of no size is none: the look from its own beginnings finds the joint that it is behind."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.bench_effects import JOINTS, instance_of, start_of
+
+from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
+from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.search.beginnings import promising_beginnings
+from armodal.analyzer.gap.search.scan import scan_instances
+
+TRUE = "axis_2"
+
+
+def true_values(servo, values):
+    """A servo twice as stiff as its joint, its rotor about as fast as the lines go."""
+    gamma = float(np.exp(-values[f"ln k {TRUE}"]))
+    rotor = next(p.std for p in servo.parameters if p.name == f"servo rotor {TRUE}")
+    return values | {f"servo compliance {TRUE}": 0.5 * gamma, f"servo rotor {TRUE}": rotor}
+
+
+@pytest.fixture(scope="module")
+def ordinary(superset):
+    return Ordinary(superset=superset, postures=("p", "q"))
+
+
+@pytest.fixture(scope="module")
+def stage(superset, ordinary, lines):
+    """Two postures of an arm with such a servo, as the model itself has it, without noise."""
+    servo = instance_of(ordinary, "servo", TRUE)
+    hidden = Hypothesis(ordinary=ordinary, instances=(servo,))
+    values = true_values(servo, start_of(hidden))
+    s = 2 * np.pi * (2.0 + 1j * np.geomspace(6.0, 60.0, 24))
+    measured = []
+    for name, joints in (("p", JOINTS), ("q", 0.5 * JOINTS)):
+        own = replace(lines, name=name, joints_rad=joints, s_rad_s=s)
+        y = PosedModel(superset, joints).values(hidden, own, values)
+        measured.append(
+            replace(own, values=y, variance=np.full(y.shape, 1e-6 * np.mean(abs(y) ** 2)))
+        )
+    return Stage(superset, measured, Discrepancy())
+
+
+def test_the_joint_of_a_servo_promises_most_from_its_beginnings_and_nothing_of_no_size(
+    ordinary, stage
+):
+    servos = [i for i in all_instances(ordinary) if i.effect.name == "servo"]
+    assert len(servos) > 2
+    about = fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=28)
+    blind = {c.instance.place: c.gain for c in scan_instances(stage, about, servos)}
+    looked = promising_beginnings(stage, about, servos)
+    assert looked[0][1].place == TRUE
+    assert max(blind, key=lambda place: blind[place]) != TRUE
+    assert looked[0][0] > blind[TRUE] + 100.0  # nats: the data tell it beyond doubt
+    # What it promises can be had: a few steps from there gain most of it.
+    gain, instance, begin = looked[0]
+    richer = replace(about.hypothesis, instances=(instance,))
+    found = fit_hypothesis(stage, richer, start=begin, max_iterations=28)
+    assert about.cost - found.cost > 0.5 * gain
+
+
+def test_effects_without_beginnings_of_their_own_and_laws_are_left_out(ordinary, stage):
+    about = fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=0)
+    others = [i for i in all_instances(ordinary) if i.initial_values is None]
+    assert others
+    assert promising_beginnings(stage, about, others) == []
