@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from armodal.daq.front_end.ni import ni_package
-from armodal.daq.front_end.opendaq import opendaq_package
-from armodal.daq.front_end.sound import sound_package
+from armodal.daq.front_end.drivers.ni import ni_package
+from armodal.daq.front_end.drivers.opendaq import opendaq_package
+from armodal.daq.front_end.drivers.sound import sound_package
 from armodal.daq.mqtt_joints import mqtt_package
 from armodal.daq.ports import FoundPort, find_ports
 from armodal.protocols.c.build import compilers, is_current

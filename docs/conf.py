@@ -19,13 +19,15 @@ extensions = [
     "numpydoc",
     "math_as_mathml",
     "written_reference",
+    "widths",
 ]
 exclude_patterns = ["_ext"]
 nitpicky = False
 
 html_theme = "furo"
 html_title = "armodal"
-html_static_path: list[str] = []
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_copy_source = False
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]

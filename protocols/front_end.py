@@ -28,12 +28,12 @@ __all__ = ["FrontEnd", "front_end_from_text", "load_front_end"]
 
 _LIMIT = 128 * 1024
 _UNITS = {"force": "N", "acceleration": "m/s^2"}
-_SOURCES = {
+_SOURCES = {  # of devices that need one
     "replay": "the file to replay",
     "ni": "a module, such as cDAQ1Mod1",
     "opendaq": "a connection string, such as daq.nd://192.168.1.20",
 }
-_OF_NUMBERS = ("replay", "sound")  # devices whose inputs are counted, and which know no volts
+_COUNTED = {"replay": True, "sound": True, "ni": False, "opendaq": False}  # inputs are numbers
 
 Positive = Annotated[float, Field(gt=0.0)]
 Text = Annotated[str, Field(max_length=32)]
@@ -53,7 +53,7 @@ class _ChannelTable(FileModel):
 
 class _FrontEndTable(FileModel):
     format: Literal["armodal-front-end-1"]
-    device: Literal["replay", "sound", "ni", "opendaq"]
+    device: Name  # a driver; whoever opens it knows which there are
     source: Annotated[str, Field(max_length=256)] = ""
     server: Annotated[str, Field(pattern=r"^$|^[^\s:]+:[0-9]{1,5}$|^\[[^\s\]]+\]:[0-9]{1,5}$")] = ""
     range_v: Positive | None = None
@@ -140,15 +140,15 @@ def front_end_from_text(text: str, *, name: str, origin: str) -> FrontEnd:
 
 
 def _check_devices(table: _FrontEndTable, origin: str) -> None:
-    """Refuse what the device has not."""
-    if table.device != "sound" and not table.source:
+    """Refuse what a device that is known here has not."""
+    if table.device in _SOURCES and not table.source:
         refuse(FrontEndError, origin, "source", wanted=_SOURCES[table.device], got=table.source)
     if table.server and table.device != "ni":
         refuse(
             FrontEndError, origin, "server", wanted='none unless device is "ni"', got=table.server
         )
     for i, channel in enumerate(table.channels):
-        counted = table.device in _OF_NUMBERS
+        counted = _COUNTED.get(table.device, isinstance(channel.input, int))
         if isinstance(channel.input, int) != counted:
             wanted = "a number, 1 for the first" if counted else "a name of the device's, as ai0"
             refuse(FrontEndError, origin, f"channels[{i}].input", wanted=wanted, got=channel.input)

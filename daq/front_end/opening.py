@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 
 from armodal.daq.clock import Clock
+from armodal.daq.front_end import drivers
 from armodal.daq.front_end.board import FrontEndPort
-from armodal.daq.front_end.ni import NiModule
-from armodal.daq.front_end.opendaq import OpenDaqDevice
-from armodal.daq.front_end.replay import Replay
-from armodal.daq.front_end.sound import SoundCard
 from armodal.daq.front_end.source import SampleSource
+from armodal.protocols.errors import FrontEndError
 from armodal.protocols.front_end import FrontEnd, load_front_end
 
 __all__ = ["is_front_end", "open_front_end", "open_source"]
-
-_SOURCES: dict[str, Callable[[FrontEnd], SampleSource]] = {
-    "replay": Replay,
-    "sound": SoundCard,
-    "ni": NiModule,
-    "opendaq": OpenDaqDevice,
-}
 
 
 def is_front_end(port: str) -> bool:
@@ -30,8 +23,23 @@ def is_front_end(port: str) -> bool:
 
 
 def open_source(front_end: FrontEnd) -> SampleSource:
-    """Open the device; errors are those of its driver."""
-    return _SOURCES[front_end.device](front_end)
+    """Open the device; errors are those of its driver.
+
+    Raises
+    ------
+    FrontEndError
+        If there is no driver of that name.
+    """
+    names = [module.name for module in iter_modules(drivers.__path__)]
+    if front_end.device not in names:
+        raise FrontEndError(
+            f"front-end file {front_end.name}: device: wanted one of {', '.join(names)}, got "
+            f"{front_end.device}; correct it"
+        )
+    driver: Callable[[FrontEnd], SampleSource] = import_module(
+        f"{drivers.__name__}.{front_end.device}"
+    ).DRIVER
+    return driver(front_end)
 
 
 def open_front_end(path: Path, clock: Clock) -> FrontEndPort:

@@ -11,6 +11,7 @@ import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap import effects
+from armodal.analyzer.gap.effects import link_axis, sensor_axes, wrong_point
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -27,12 +28,13 @@ _DAMPED_HZ = 0.5  # the lines stand this far beside the axis, so that peaks stay
 _TIMES_MATERIAL = 4.0
 _LEVEL = 0.7  # half a factor of four between soft and hard hits
 _PICTURED = 8  # places tried for the picture
+_LONG_LINK = 2  # the forearm
 
 
 def effect_pages() -> dict[str, str]:
     """Return the index of effects, and a page with its picture for each, by file name."""
     by_name: dict[str, list[Instance]] = {}
-    for instance in all_instances(_ordinary()):
+    for instance in (*all_instances(_ordinary()), *_proposed(_ordinary())):
         by_name.setdefault(instance.effect.name, []).append(instance)
     known = dict(_known())
     titles = {words.name: words.title for words in known}
@@ -44,6 +46,21 @@ def effect_pages() -> dict[str, str]:
             pages[f"effects/{words.name}.svg"] = picture
         pages[f"effects/{words.name}.md"] = _card(words, module, places, titles, bool(picture))
     return pages
+
+
+def _proposed(ordinary: Ordinary) -> Iterator[Instance]:
+    """An example of each effect that has a place only where a look proposes one."""
+    last, before = (joint.link.name for joint in ordinary.arm.joints[:-3:-1])
+    there, other = (
+        [point.id for point in ordinary.arm.points if point.link == link][-1]
+        for link in (last, before)
+    )
+    yield sensor_axes.turned_sensor(ordinary, np.diag([1.0, 1.0, -1.0]), there)
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    yield sensor_axes.turned_sensor(ordinary, quarter, there)
+    yield wrong_point.exchanged(ordinary, there, other)
+    middle = ordinary.arm.joints[_LONG_LINK].link.center_m
+    yield link_axis.at_axis(ordinary, _LONG_LINK, np.array([0.0, 1.0, 0.0]), middle)
 
 
 def _known() -> Iterator[tuple[EffectWords, str]]:
@@ -73,13 +90,20 @@ def _card(
     if sized is not None:
         unit = f" {sized.unit}" if sized.unit else ""
         lines += [f"**Worth a name from**\n: {sized.material:.3g}{unit} (on `{_ARM}`)\n"]
+    sources = getattr(importlib.import_module(_module_of(file)), "SOURCES", {})
+    lines += [f"**Source of `{name}`**\n: {_sentence(text)}\n" for name, text in sources.items()]
     if drawn:
+        size = f" and with {_TIMES_MATERIAL:g} times the size from which it is worth a name"
         caption = (
-            f"Accelerance at a point of the last link of `{_ARM}`, without the effect and with "
-            f"{_TIMES_MATERIAL:g} times the size from which it is worth a name. Below: their ratio."
+            f"Accelerance at a point of the last link of `{_ARM}`, without the effect"
+            f"{size if sized else ' and with it'}. Below: their ratio."
         )
         lines += [f"![Accelerance with and without it]({words.name}.svg)", "", caption, ""]
     return "\n".join([*lines, f"Code: `{file}`."]) + "\n"
+
+
+def _module_of(file: str) -> str:
+    return "armodal." + file.removesuffix(".py").replace("/", ".")
 
 
 def _said(words: EffectWords, titles: dict[str, str]) -> Iterator[tuple[str, str]]:
@@ -142,7 +166,8 @@ def _picture(places: list[Instance]) -> str:
         return model.values(hypothesis, lines, values)[0]  # (3, L)
 
     plain = seen()
-    found = [seen(own) for own in places[:_PICTURED] if own.size or own.sizes]
+    places = [own for own in places if own.size or own.sizes or not own.parameters]
+    found = [seen(own) for own in places[:_PICTURED]]
     changes = [np.abs(y / plain - 1.0).mean(axis=1) for y in found]
     if not changes or max(change.max() for change in changes) == 0.0:
         return ""
@@ -165,7 +190,10 @@ def _drawn(plain: np.ndarray, found: np.ndarray, at: Instance) -> str:
     )
     ratio = found / plain
     panels = [size]
-    for y, label in ((20.0 * np.log10(np.abs(ratio)), "dB"), (np.angle(ratio, deg=True), "deg")):
+    for y, label in (
+        (20.0 * np.log10(np.abs(ratio)), "dB"),
+        (np.rad2deg(np.unwrap(np.angle(ratio))), "deg"),
+    ):
         most = max(1.0, float(np.abs(y).max()))
         curve = Curve(x=_HZ, y=y, colour=FOUND)
         panels.append(Panel(curves=(curve,), height=60.0, label=label, y_range=(-most, most)))

@@ -1,4 +1,4 @@
-"""Pages of the reference that are written from the code: commands, and a card for every effect."""
+"""Pages of the reference that are written from the code: commands, file formats, effects."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 
 from cards import effect_pages
 from command_pages import command_pages
+from format_page import format_page
 from sphinx.application import Sphinx
 
 FOLDER = "reference/written"
@@ -14,7 +15,7 @@ FOLDER = "reference/written"
 def write(app: Sphinx) -> None:
     """Write the pages that changed, and remove those whose subject is gone."""
     folder = Path(app.srcdir) / FOLDER
-    pages = {**command_pages(), **effect_pages()}
+    pages = {**command_pages(), **format_page(), **effect_pages()}
     for name, text in pages.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

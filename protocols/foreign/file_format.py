@@ -28,6 +28,8 @@ class FileFormat:
 
     name
         As people know it.
+    holds
+        What is read of it, in one sentence, for the page of formats.
     endings
         Of file names, lower case; they tell where the first bytes are damaged.
     is_it
@@ -40,6 +42,7 @@ class FileFormat:
     """
 
     name: str
+    holds: str
     endings: tuple[str, ...]
     is_it: Callable[[bytes], bool]
     variables: Arrays

@@ -50,12 +50,7 @@ def test_a_sensitivity_and_the_range_make_the_scale():
 @pytest.mark.parametrize(
     ("text", "change", "to", "words"),
     [
-        (
-            REPLAY,
-            'device = "replay"',
-            'device = "hbk"',
-            "device: wanted 'replay', 'sound', 'ni' or 'opendaq'",
-        ),
+        (REPLAY, 'device = "replay"', "device = 7", "device: wanted a string, got 7"),
         (REPLAY, 'source = "hits.wav"', "", "source: wanted the file to replay"),
         (REPLAY, "input = 2", "input = 1", r"channels\[1\].input: wanted each once, got 1"),
         (REPLAY, "input = 2", 'input = "ai0"', "wanted a number, 1 for the first, got 'ai0'"),

@@ -9,6 +9,7 @@ from unittest.mock import Mock, patch
 
 from support.made_run import ARM, PLAN
 from support.screen import Notices
+from support.shipped_screens import SHIPPED_SCREENS
 from textual.pilot import Pilot
 
 from armodal.daq.commands import Command
@@ -19,7 +20,7 @@ from armodal.tui.screens.run.engine import Engine
 from armodal.tui.screens.run.happenings import Happening, Tick
 from armodal.tui.screens.run.options import RunOptions
 from armodal.tui.screens.run.place import SessionPlace
-from armodal.tui.screens.run.steps.step import Pane
+from armodal.tui.screens.run.step_screen import Pane
 
 NOW_S = 100.0
 
@@ -43,12 +44,12 @@ class StageEngine(Engine):
 
 
 class Stage:
-    """An app whose process is a list of what it was told.
+    """An app whose process is a list of what it was told; further screens are those of a test.
 
     Its garbage is left to Python: the tests hold ten times the objects of an app.
     """
 
-    def __init__(self, tmp_path: Path, plan=PLAN, **options) -> None:
+    def __init__(self, tmp_path: Path, plan=PLAN, screens=None, **options) -> None:
         place = SessionPlace(journal=tmp_path / "s.journal", arm=ARM, plan=plan, begun=False)
         self.now_s = NOW_S
         self.sent: list[Command] = []
@@ -60,6 +61,7 @@ class Stage:
                 RunOptions(place=place, **options),
                 clock=lambda: self.now_s,
                 make_engine=lambda tell: StageEngine(tell, self),
+                screens={**SHIPPED_SCREENS, **(screens or {})},
             )
 
     async def tell(self, pilot: Pilot[int], *events: Happening) -> None:

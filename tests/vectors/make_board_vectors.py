@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
 from dataclasses import asdict, fields
 from fractions import Fraction
 from pathlib import Path
@@ -24,6 +25,7 @@ from armodal.protocols.board import (
     MESSAGES,
     Frame,
     FrameType,
+    Overflow,
     ReplyCode,
     decode_answer,
     decode_frame,
@@ -33,11 +35,14 @@ from armodal.protocols.board import (
     dictionary_hash,
     encode_dictionary,
     encode_frame,
+    encode_reply,
     hello_fragments,
     pack_counts,
     refusal,
     sequence_gap,
 )
+from armodal.protocols.board.generate.vectors import valid_record
+from armodal.protocols.board.layout import encode, layout_of
 
 HERE = Path(__file__).resolve().parent
 VECTORS = HERE / "board-v1.json"
@@ -100,10 +105,21 @@ def payload_fields(frame: Frame) -> dict[str, Any]:
     return record(decode_payload(message.record, frame.payload)) if message.record else {}
 
 
+def without_example() -> Iterator[tuple[str, FrameType, bytes, int, Overflow]]:
+    """A message of each type that has no example of its own, by the table alone."""
+    there = {kind for _, kind, *_ in examples.MESSAGES}
+    for kind in sorted(set(FrameType) - there):
+        message = MESSAGES[kind]
+        head = encode_reply(ReplyCode.OK) if message.is_answer else b""
+        body = encode(valid_record(layout_of(message.record))) if message.record else b""
+        yield kind.name.lower().replace("_", " "), kind, head + body, 0, Overflow.NONE
+
+
 def frame_vectors() -> list[dict[str, Any]]:
     """One valid frame of every type and more."""
     vectors = []
-    for index, (name, kind, payload, first, overflow) in enumerate(examples.MESSAGES):
+    messages = (*examples.MESSAGES, *without_example())
+    for index, (name, kind, payload, first, overflow) in enumerate(messages):
         header = header_of(index, kind, first, overflow)
         wire = encode_frame(header, payload)
         names = [field.name for field in fields(header) if field.name != "type"]

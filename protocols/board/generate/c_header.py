@@ -46,6 +46,8 @@ def c_header(table: Table) -> str:
         "/* For a board: messages.c. False where the payload is malformed. */",
         *(prototype(layout, "write") + ";" for layout in written(table, on_board=True)),
         *(prototype(layout, "read") + ";" for layout in read(table, on_board=True)),
+        "/* Whether the table of messages has a type. */",
+        "bool ab_type_known(unsigned type);",
         "\n/* For a host: host_messages.c. */",
         *(prototype(layout, "write") + ";" for layout in written(table, on_board=False)),
         *(prototype(layout, "read") + ";" for layout in read(table, on_board=False)),

@@ -93,8 +93,8 @@ def _function(prototype: str, lines: list[str]) -> str:
 
 
 def c_board_source(table: Table) -> str:
-    """Text of `messages.c`: what a board reads and writes."""
-    return _source(table, on_board=True)
+    """Text of `messages.c`: what a board reads and writes, and the types that there are."""
+    return _source(table, on_board=True) + "\n" + _known(table)
 
 
 def c_host_source(table: Table) -> str:
@@ -116,6 +116,12 @@ def _source(table: Table, *, on_board: bool) -> str:
         f'{own}#include "internal.h"\n'
     )
     return "\n".join([first, *writers, *readers])
+
+
+def _known(table: Table) -> str:
+    cases = [f"case {_type_name(table, entry)}:" for entry in table]
+    lines = ["switch (type) {", *cases, "    return true;", "default:", "    return false;", "}"]
+    return _function("bool ab_type_known(unsigned type)", lines)
 
 
 def _validity(table: Table) -> str:

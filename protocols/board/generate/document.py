@@ -20,12 +20,18 @@ _MARKED = re.compile(
 def document_with_tables(document: str, table: Table) -> str:
     """The document with what stands between its markers made anew.
 
+    A message without markers gets them at the end of its section, under a heading of its name and
+    the first line of its record's docstring.
+
     Raises
     ------
     ValueError
-        If a marker names nothing, or something of the table has no marker.
+        If a marker names nothing, or something of the table has neither marker nor section.
     """
     wanted = dict(tables(table))
+    for entry, _ in table.records():
+        if entry.kind.name not in _MARKED.findall(document):
+            document = _with_markers(document, entry)
     found = _MARKED.findall(document)
     if sorted(found) != sorted(wanted):
         raise ValueError(
@@ -33,6 +39,19 @@ def document_with_tables(document: str, table: Table) -> str:
             f"for {sorted(found)}"
         )
     return _MARKED.sub(lambda match: marked(match[1], wanted), document)
+
+
+def _with_markers(document: str, entry: Entry) -> str:
+    """The document with a place for a message's table at the end of its section, if it has one."""
+    section = re.search(
+        rf"^## {entry.message.section}\. .*?(?=^## |\Z)", document, re.MULTILINE | re.DOTALL
+    )
+    if section is None or entry.message.record is None:
+        return document
+    words = (entry.message.record.__doc__ or "").split("\n", maxsplit=1)[0]
+    place = f"### {entry.kind.name}\n\n{words}\n\n{marked(entry.kind.name, {entry.kind.name: ''})}"
+    end = section.end()
+    return f"{document[:end].rstrip()}\n\n{place}\n{document[end:]}"
 
 
 def marked(name: str, texts: Mapping[str, str]) -> str:

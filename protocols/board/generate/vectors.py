@@ -15,7 +15,7 @@ from armodal.protocols.board.generate.table import MADE_BY, Table
 from armodal.protocols.board.layout import Field, Layout, encode, layout_of
 from armodal.protocols.board.records import PROTOCOL_VERSION, Header
 
-__all__ = ["field_vectors"]
+__all__ = ["field_vectors", "valid_record"]
 
 
 def _extremes(field: Field) -> list[Any]:
@@ -58,8 +58,7 @@ def _corners(ends: dict[str, list[Any]]) -> list[list[Any]]:
 
 def _outside(layout: Layout) -> Iterator[tuple[str, bytes]]:
     """Bytes that are no record because a number is outside its range."""
-    _, good, _ = next(record for record in _records(layout) if not record[2])
-    data = encode(good)
+    data = encode(valid_record(layout))
     for field in layout.fields:
         low, high = field.wire.low, field.wire.high
         if field.wire.role == "choice":
@@ -86,6 +85,11 @@ def _fields(record: object, layout: Layout) -> dict[str, Any]:
     }
 
 
+def valid_record(layout: Layout) -> object:
+    """A record of a layout that keeps its rules: the first of its extremes that does."""
+    return next(record for _, record, broken in _records(layout) if not broken)
+
+
 def field_vectors(table: Table) -> str:
     """JSON of records and of bytes that are none, one a line."""
     valid, invalid = [], []
@@ -100,7 +104,7 @@ def field_vectors(table: Table) -> str:
                 valid.append(row | {"fields": _fields(record, layout)})
         if message == "header":
             continue  # whose version and type have their own refusals, `invalid_frames`
-        whole = encode(next(record for _, record, broken in _records(layout) if not broken))
+        whole = encode(valid_record(layout))
         cases = [*_outside(layout), ("one byte short", whole[:-1])]
         if not tail:
             cases.append(("one byte too long", whole + b"\0"))

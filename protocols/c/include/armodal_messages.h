@@ -154,6 +154,8 @@ void ab_read_header(const uint8_t from[AB_HEADER_BYTES], ab_header *m);
 bool ab_read_configuration(const uint8_t *from, size_t n, ab_configuration *m);
 bool ab_read_resend(const uint8_t *from, size_t n, ab_resend *m);
 bool ab_read_release(const uint8_t *from, size_t n, ab_release *m);
+/* Whether the table of messages has a type. */
+bool ab_type_known(unsigned type);
 
 /* For a host: host_messages.c. */
 void ab_write_configuration(uint8_t to[AB_CONFIGURATION_BYTES], const ab_configuration *m);

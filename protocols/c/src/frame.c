@@ -78,14 +78,6 @@ size_t ab_encoder_end(ab_encoder *encoder)
     return encoder->at;
 }
 
-static bool is_known(uint8_t type)
-{
-    const uint8_t command = type & 0x7F;
-
-    return (command >= AB_HELLO && command <= AB_RELEASE) ||
-           (type >= AB_STREAM && type <= AB_BLOCK_DATA);
-}
-
 ab_frame_result ab_frame_decode(uint8_t *encoded, size_t n, ab_header *header,
                                 const uint8_t **payload, size_t *payload_size)
 {
@@ -105,7 +97,7 @@ ab_frame_result ab_frame_decode(uint8_t *encoded, size_t n, ab_header *header,
     *payload_size = size - OVERHEAD;
     if (header->version != AB_VERSION)
         return AB_FRAME_VERSION;
-    return is_known(header->type) ? AB_FRAME_OK : AB_FRAME_TYPE;
+    return ab_type_known(header->type) ? AB_FRAME_OK : AB_FRAME_TYPE;
 }
 
 size_t ab_receiver_take(ab_receiver *receiver, const uint8_t *bytes, size_t n, size_t *stretch)

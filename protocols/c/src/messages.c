@@ -107,3 +107,29 @@ bool ab_read_release(const uint8_t *from, size_t n, ab_release *m)
     m->block_id = ab_get_u32(from);
     return true;
 }
+
+bool ab_type_known(unsigned type)
+{
+    switch (type) {
+    case AB_HELLO:
+    case AB_HELLO | AB_REPLY:
+    case AB_CONFIGURE:
+    case AB_CONFIGURE | AB_REPLY:
+    case AB_START:
+    case AB_START | AB_REPLY:
+    case AB_STOP:
+    case AB_STOP | AB_REPLY:
+    case AB_STATUS:
+    case AB_STATUS | AB_REPLY:
+    case AB_RESEND:
+    case AB_RESEND | AB_REPLY:
+    case AB_RELEASE:
+    case AB_RELEASE | AB_REPLY:
+    case AB_STREAM:
+    case AB_BLOCK_READY:
+    case AB_BLOCK_DATA:
+        return true;
+    default:
+        return false;
+    }
+}

@@ -27,4 +27,10 @@ def _refused(path: Path, _data: bytes) -> Sequence[Variables]:
     )
 
 
-FORMAT = FileFormat(name="spreadsheet workbook", endings=(), is_it=is_workbook, variables=_refused)
+FORMAT = FileFormat(
+    name="spreadsheet workbook",
+    holds="not read: save the sheet as CSV",
+    endings=(),
+    is_it=is_workbook,
+    variables=_refused,
+)

@@ -7,6 +7,7 @@ __all__ = ["FORMAT"]
 
 FORMAT = FileFormat(
     name="LabVIEW measurement",
+    holds="every layout of X columns; a section is a hit, or FRFs",
     endings=(".lvm",),
     is_it=lambda head: head.startswith(LVM_SIGN.encode()),
     variables=of_bytes(lvm_variables),

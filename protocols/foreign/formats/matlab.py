@@ -11,5 +11,13 @@ def _is_it(head: bytes) -> bool:
 
 
 FORMAT = FileFormat(
-    name="MATLAB", endings=(".mat",), is_it=_is_it, variables=of_bytes(mat_variables)
+    name="MATLAB",
+    holds=(
+        "version 5 to 7.2 by scipy, 7.3 by h5py; fields of a struct are called "
+        "`Signal.y_values.values`; axes told by `x_values.start_value` and `increment`, as "
+        "Simcenter Testlab writes them"
+    ),
+    endings=(".mat",),
+    is_it=_is_it,
+    variables=of_bytes(mat_variables),
 )

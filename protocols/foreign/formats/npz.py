@@ -8,6 +8,7 @@ __all__ = ["FORMAT"]
 
 FORMAT = FileFormat(
     name="NPZ",
+    holds="arrays by name. Nothing is ever unpickled",
     endings=(),  # a damaged archive has nothing to read
     is_it=lambda head: head.startswith((b"PK\x03\x04", b"PK\x05\x06")) and not is_workbook(head),
     variables=of_bytes(npz_variables),

@@ -7,6 +7,11 @@ __all__ = ["FORMAT"]
 
 FORMAT = FileFormat(
     name="sound",
+    holds=(
+        "PCM of 8 to 32 bits and IEEE numbers; the first channel is the force unless another "
+        "alone is one push, which is said, or `variables` says another; needs `scale`, per "
+        "full scale"
+    ),
     endings=(".wav",),
     is_it=lambda head: head.startswith(b"RIFF") and head[8:12] == b"WAVE",
     variables=of_bytes(wav_variables),

@@ -7,6 +7,7 @@ __all__ = ["FORMAT"]
 
 FORMAT = FileFormat(
     name="TDMS",
+    holds="LabVIEW and DIAdem; a group is a hit, or FRFs. Needs `pip install 'armodal[files]'`",
     endings=(".tdms",),
     is_it=lambda head: head.startswith(b"TDSm"),
     variables=of_bytes(tdms_variables),

@@ -22,4 +22,10 @@ def _bounded(path: Path, data: bytes) -> Sequence[Variables]:
     return text_variables(data, path.name)
 
 
-FORMAT = FileFormat(name="text", endings=(), is_it=lambda _: False, variables=_bounded)
+FORMAT = FileFormat(
+    name="text",
+    holds="a table, or one complex number a line",
+    endings=(),
+    is_it=lambda _: False,
+    variables=_bounded,
+)

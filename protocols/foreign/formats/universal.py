@@ -15,6 +15,10 @@ def _is_it(head: bytes) -> bool:
 
 FORMAT = FileFormat(
     name="universal",
+    holds=(
+        "FRFs (type 4) with their coherence (6), or time records (1) of single hits: a force "
+        "opens a hit, its accelerations follow; geometry"
+    ),
     endings=(".uff", ".unv", ".uf", ".bunv", ".ufb", ".uff58"),
     is_it=_is_it,
     variables=lambda path, data: uff_signals(uff_from_bytes(data, path.name), path.name),

@@ -1,9 +1,11 @@
-"""Every number that describes an arm is in `docs/gap-priors.md`, with its value and its source.
+"""Every number that describes an arm has a source: in `docs/gap-priors.md`, or in its own module.
 
+A module names them in `SOURCES`, by the constant; the page has the others, each with its value.
 Left out: numbers of a search (where it begins, how far it steps, how many it keeps).
 """
 
 import ast
+from importlib import import_module
 from pathlib import Path
 
 from armodal import analyzer
@@ -31,10 +33,20 @@ def numbers(node):
             yield float(part.value)
 
 
+def own_sources(path):
+    """Sources that a module states itself, by the constant."""
+    module = import_module(
+        f"{analyzer.__name__}.{'.'.join(path.relative_to(GAP.parent).parts)[:-3]}"
+    )
+    return getattr(module, "SOURCES", {})
+
+
 def of_code():
     for path in FILES:
         if path.stem.endswith("_candidates"):
             continue
+        stated = own_sources(path)
+        assert all(stated.values()), path.stem
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             if not isinstance(node, ast.Assign):
                 continue
@@ -45,7 +57,8 @@ def of_code():
                 for name, value in pairs:
                     found = sorted(numbers(value))
                     is_number = isinstance(name, ast.Name) and name.id.lstrip("_").isupper()
-                    if is_number and name.id not in OF_A_SEARCH | {"WORDS", "_SAID"} and found:
+                    left_out = OF_A_SEARCH | {"WORDS", "_SAID", "SOURCES"} | stated.keys()
+                    if is_number and name.id not in left_out and found:
                         yield f"{path.stem}.{name.id}", found
 
 

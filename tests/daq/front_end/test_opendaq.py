@@ -17,7 +17,7 @@ from support.at_the_end import at_the_end
 
 from armodal.daq.clock import SystemClock
 from armodal.daq.front_end import open_front_end, open_source
-from armodal.daq.front_end.opendaq import OpenDaqDevice
+from armodal.daq.front_end.drivers.opendaq import OpenDaqDevice
 from armodal.daq.front_end.timing import SampleTimes
 from armodal.protocols.errors import DeviceLostError, FrontEndError, MissingPackageError
 from armodal.protocols.front_end import front_end_from_text

@@ -114,3 +114,10 @@ def test_a_session_is_captured_from_a_file(lab, fakes, tmp_path):
     np.testing.assert_array_equal(
         kept.counts, whole[kept.first_sample : kept.first_sample + len(kept.counts)]
     )
+
+
+def test_a_device_without_a_driver_is_refused_with_those_there_are(tmp_path, numbers, time):
+    path = write_replay(tmp_path, numbers)
+    path.write_text(path.read_text().replace('"replay"', '"hbk"'))
+    with pytest.raises(FrontEndError, match=r"wanted one of ni, .*replay, sound.*, got hbk"):
+        open_front_end(path, time)

@@ -57,13 +57,13 @@ class Identify:
     )
 
 
-NUMBERS = {kind.name: int(kind) for kind in FrameType} | {"IDENTIFY": 0x08, "IDENTIFY_REPLY": 0x88}
+NUMBERS = {kind.name: int(kind) for kind in FrameType} | {"IDENTIFY": 0x78, "IDENTIFY_REPLY": 0xF8}
 ADDED = Table(
     types=IntEnum("FrameType", NUMBERS),
     messages={
         **TABLE.messages,
-        0x08: Message(section=8, record=Identify),
-        0x88: Message(is_answer=True),
+        0x78: Message(section=8, record=Identify),
+        0xF8: Message(is_answer=True),
     },
 )
 
@@ -133,6 +133,11 @@ def test_c_judges_its_payload_by_type(library):
     assert c.ab_payload_valid(c.AB_IDENTIFY | c.AB_REPLY, b"\0\0", 2)
 
 
+def test_c_knows_the_types_of_the_table_and_no_others(library):
+    _, c = library
+    assert {kind for kind in range(256) if c.ab_type_known(kind)} == {int(t) for t in ADDED.types}
+
+
 def test_a_rule_between_its_fields_binds_both_sides(library):
     broken = encode(Identify(lamp=Lamp.RED, again=True, times=11, offset=0, token=1))
     assert read(library, broken) is None
@@ -140,13 +145,19 @@ def test_a_rule_between_its_fields_binds_both_sides(library):
         decode(Identify, broken)
 
 
-def test_the_document_gets_its_table_between_its_markers():
+def test_the_document_gets_its_table_at_the_end_of_its_section():
+    made = document_with_tables(DOCUMENT.read_text(encoding="utf-8"), ADDED)
+    assert "| `78` | IDENTIFY | host | 16 bytes, section 8 |" in made
+    section = made[made.index("\n## 8.") : made.index("\n## 9.")]
+    assert "### IDENTIFY\n\nWhat a board does that a person looks for among several.\n" in section
+    assert "| 4 | i32 | offset | counts | of the brightness; -5 or more |" in section
+    assert document_with_tables(made, ADDED) == made
+
+
+def test_a_marker_that_names_nothing_is_refused():
     document = DOCUMENT.read_text(encoding="utf-8")
     with pytest.raises(ValueError, match="IDENTIFY"):
-        document_with_tables(document, ADDED)
-    made = document_with_tables(document + MARKERS, ADDED)
-    assert "| `08` | IDENTIFY | host | 16 bytes, section 8 |" in made
-    assert "| 4 | i32 | offset | counts | of the brightness; -5 or more |" in made
+        document_with_tables(document + MARKERS, TABLE)
 
 
 def test_a_longer_command_asks_for_a_larger_receive_buffer(library):
@@ -160,6 +171,6 @@ def test_a_longer_command_asks_for_a_larger_receive_buffer(library):
         c: Annotated[int, u64("")]
         d: Annotated[int, u64("")]
 
-    longer = Table(types=ADDED.types, messages={**ADDED.messages, 0x08: Message(record=Long)})
+    longer = Table(types=ADDED.types, messages={**ADDED.messages, 0x78: Message(record=Long)})
     assert longer.longest_command == TABLE.longest_command + 4
     assert f"AB_RECEIVE_BYTES = {longer.longest_command - 2}" in c_header(longer)

@@ -67,7 +67,10 @@ def test_frames_of_a_board_are_dropped(kind):
     assert Device().ask(kind) == []
 
 
-@pytest.mark.parametrize("kind", [0x00, 0x08, 0x42, 0x7F])
+UNKNOWN = sorted(set(range(0x80)) - set(FrameType))
+
+
+@pytest.mark.parametrize("kind", [*UNKNOWN[:2], 0x42, UNKNOWN[-1]])
 def test_an_unknown_command_is_answered_as_such_with_its_type(kind):
     wires = []
     device = Device()

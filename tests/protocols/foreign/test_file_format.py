@@ -25,7 +25,7 @@ def _read(data, origin):
     return text_variables((head + rows).encode(), origin)
 
 FORMAT = FileFormat(
-    name="another", endings=(".ano",), is_it=lambda head: head.startswith(b"ANO1"),
+    name="another", holds="a table", endings=(".ano",), is_it=lambda head: head.startswith(b"ANO1"),
     variables=of_bytes(_read),
 )
 """

@@ -1,4 +1,4 @@
-"""The review app: one session, eight screens."""
+"""The review app: one session, and the screens found in `panes`."""
 
 from __future__ import annotations
 
@@ -22,17 +22,13 @@ from armodal.protocols.errors import ArmodalError
 from armodal.tui.screens.every_action import every_action
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.printable_app import PrintableApp
-from armodal.tui.screens.review.cmif_picture import CmifPicture
 from armodal.tui.screens.review.command_run import ARMODAL
-from armodal.tui.screens.review.frf_picture import FrfPicture
-from armodal.tui.screens.review.gap_pane import GapPane, read_gap
-from armodal.tui.screens.review.identify_pane import IdentifyPane
 from armodal.tui.screens.review.leaving import Leaving
-from armodal.tui.screens.review.mac_picture import MacPicture
 from armodal.tui.screens.review.measuring import Measuring
-from armodal.tui.screens.review.model_notes import ModelNotes
-from armodal.tui.screens.review.modes_table import ModesTable
 from armodal.tui.screens.review.next_test import NextRun
+from armodal.tui.screens.review.pane import PaneParts, ReviewPane, review_panes
+from armodal.tui.screens.review.panes.gap import GapPane, read_gap
+from armodal.tui.screens.review.panes.poles import StabilisationPicture
 from armodal.tui.screens.review.picked_file import picked_path, read_picked, write_picked
 from armodal.tui.screens.review.posture_view import (
     OpenSession,
@@ -44,16 +40,13 @@ from armodal.tui.screens.review.posture_view import (
 )
 from armodal.tui.screens.review.report_beside import report_beside
 from armodal.tui.screens.review.run_pane import RunPane
-from armodal.tui.screens.review.shape_picture import ShapePicture
-from armodal.tui.screens.review.stabilisation_picture import StabilisationPicture
 from armodal.tui.screens.review.state import ReviewState
 from armodal.tui.screens.review.way_back import way_back
 from armodal.tui.screens.themes import register_themes, use_next_theme
 
 __all__ = ["ReviewApp"]
 
-TABS = ("frf", "cmif", "poles", "modes", "mac", "shape", "identify", "gap")
-_TITLES = ("FRF", "CMIF", "Poles", "Modes", "MAC", "Shape", "Identify", "Gap")
+DIGITS = "123456789"  # keys of the first panes; the others are reached by the line of tabs
 LEAST_COLUMNS, LEAST_ROWS = 60, 16
 
 
@@ -76,6 +69,8 @@ class ReviewApp(PrintableApp[int]):
         Where NO_COLOR is looked up.
     command
         How armodal is started for what takes long.
+    panes
+        The screens, by name; by default all of the folder `panes`.
 
     Attributes
     ----------
@@ -95,10 +90,6 @@ class ReviewApp(PrintableApp[int]):
     ModelNotes { height: auto; max-height: 40%; padding: 0 1; color: $warning; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        *(
-            Binding(str(number), f"tab('{tab}')", title, show=False)
-            for number, (tab, title) in enumerate(zip(TABS, _TITLES, strict=True), start=1)
-        ),
         Binding("left_square_bracket", "posture(-1)", "posture", key_display="[]"),
         Binding("right_square_bracket", "posture(1)", "next posture", show=False),
         Binding("s", "save", "save picks", show=False),
@@ -118,6 +109,7 @@ class ReviewApp(PrintableApp[int]):
         clock: Callable[[], float] = monotonic,
         environment: Mapping[str, str] = os.environ,
         command: tuple[str, ...] = ARMODAL,
+        panes: Mapping[str, ReviewPane] | None = None,
     ) -> None:
         super().__init__()
         self.path, self.gap_file, self.band_hz = path, gap, band_hz
@@ -125,6 +117,9 @@ class ReviewApp(PrintableApp[int]):
         self.next_run: NextRun | None = None
         self._opened, self._clock = opened, clock
         self._environment, self._command = environment, command
+        self._panes = review_panes() if panes is None else panes
+        for digit, (tab, pane) in zip(DIGITS, self._panes.items(), strict=False):
+            self.bind(digit, f"tab('{tab}')", description=pane.title, show=False)
         self.state: ReviewState | None = None
 
     def compose(self) -> Iterable[Widget]:
@@ -187,23 +182,15 @@ class ReviewApp(PrintableApp[int]):
         """Make the screens of a session that was read."""
         state = ReviewState.of(opened)
         self._read_gap(state)
-        panes: tuple[Widget, ...] = (
-            FrfPicture(state, id="frf-main"),
-            CmifPicture(state, id="cmif-main"),
-            StabilisationPicture(state, id="poles-main"),
-            ModesTable(state, id="modes-main"),
-            MacPicture(state, id="mac-main"),
-            ShapePicture(state, id="shape-main", clock=self._clock),
-            IdentifyPane(state, id="identify-main", command=self._command),
-            GapPane(state, id="gap-main", command=self._command),
-        )
-        tabs = TabbedContent(initial="frf")
-        for number, (tab, title, pane) in enumerate(zip(TABS, _TITLES, panes, strict=True), 1):
-            beside = (ModelNotes(state, id="modes-notes"),) if tab == "modes" else ()
-            tabs.compose_add_child(TabPane(f"{number} {title}", pane, *beside, id=tab))
+        parts = PaneParts(state=state, clock=self._clock, command=self._command)
+        tabs = TabbedContent(initial=next(iter(self._panes)))
+        for number, (tab, pane) in enumerate(self._panes.items(), start=1):
+            main, *beside = pane.make(parts)
+            main.id = f"{tab}-main"
+            tabs.compose_add_child(TabPane(f"{number} {pane.title}", main, *beside, id=tab))
         await self.mount(tabs, before="#trouble")
         self.state = state
-        self.action_tab("frf")
+        self.action_tab(next(iter(self._panes)))
         self.redraw()
 
     def _read_gap(self, state: ReviewState) -> None:
@@ -226,16 +213,8 @@ class ReviewApp(PrintableApp[int]):
         if self.state is None:
             return
         self.say_status(self.state.status())
-        for tab in TABS:
-            self._redrawn(tab)
-        self.query_one(ModelNotes).redraw()
-
-    def _redrawn(self, tab: str) -> Widget:
-        main = self.query_one(f"#{tab}-main")
-        redraw = getattr(main, "redraw", None)
-        if callable(redraw):
-            redraw()
-        return main
+        for tab in self.query(TabPane):
+            _redraw(tab)
 
     def say_status(self, text: str) -> None:
         """Show one line above the screens."""
@@ -252,8 +231,8 @@ class ReviewApp(PrintableApp[int]):
 
     def on_tabbed_content_tab_activated(self, event: TabbedContent.TabActivated) -> None:
         """Give the keys to the screen that is shown."""
-        if event.pane.id is not None:
-            self._redrawn(event.pane.id).focus()
+        _redraw(event.pane)
+        event.pane.children[0].focus()
 
     def action_tab(self, tab: str) -> None:
         """Go to a screen."""
@@ -315,12 +294,7 @@ class ReviewApp(PrintableApp[int]):
 
     def on_run_pane_done(self, message: RunPane.Done) -> None:
         """Keep a result."""
-        if self.state is None:
-            return
-        if isinstance(message.pane, IdentifyPane):
-            self.state.identification = message.value
-        else:
-            self.state.gap = message.value
+        message.pane.keep(message.value)
         self.redraw()
 
     def on_gap_pane_planned(self, message: GapPane.Planned) -> None:
@@ -398,3 +372,11 @@ class ReviewApp(PrintableApp[int]):
                 "Look at this posture",
                 lambda step=number - self.state.posture: self.action_posture(step),
             )
+
+
+def _redraw(tab: TabPane) -> None:
+    """Have each widget of a tab that can be redrawn do so."""
+    for widget in tab.children:
+        redraw = getattr(widget, "redraw", None)
+        if callable(redraw):
+            redraw()

@@ -77,6 +77,10 @@ class RunPane(VerticalScroll, can_focus=True):
         """What is shown of the result; None before there is one."""
         raise NotImplementedError
 
+    def keep(self, value: dict[str, Any]) -> None:
+        """Keep the object that the command ended with, from where `result` takes it."""
+        raise NotImplementedError
+
     @property
     def running(self) -> bool:
         """Whether the command runs."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -36,18 +36,20 @@ from armodal.tui.screens.run.engine import Engine
 from armodal.tui.screens.run.happenings import HandIdle, Happening, SensorsConfirmed
 from armodal.tui.screens.run.help import HelpScreen
 from armodal.tui.screens.run.keys import ACTIONS, works
+from armodal.tui.screens.run.operator_screen import (
+    OperatorScreen,
+    needed_screen,
+    operator_screens,
+)
 from armodal.tui.screens.run.options import RunOptions
-from armodal.tui.screens.run.state import Phase, RunState, Step
-from armodal.tui.screens.run.steps.hit import HitScreen
-from armodal.tui.screens.run.steps.lab import LabScreen
-from armodal.tui.screens.run.steps.point import PointScreen
-from armodal.tui.screens.run.steps.posture import PostureScreen
+from armodal.tui.screens.run.state import Phase, RunState
+from armodal.tui.screens.run.step_screen import StepScreen
 from armodal.tui.screens.run.steps.progress import ProgressScreen
-from armodal.tui.screens.run.steps.step import StepScreen
 from armodal.tui.screens.wishes import Look
 
 __all__ = ["RunApp"]
 
+PROGRESS = "progress"
 REDRAW_WALL_S = 0.08  # the live views are to come ten times a second, under load too
 SEEN_AT_ONCE = (HitJudged, HitWithdrawn, Prompted, Failed, Finished, SensorsConfirmed)
 
@@ -63,6 +65,8 @@ class RunApp(PrintableApp[int]):
         Wall seconds.
     make_engine
         Makes the line to the processes from what is to be told of every event.
+    screens
+        The screens, by name; by default all of the folder `steps`.
 
     Attributes
     ----------
@@ -83,7 +87,11 @@ class RunApp(PrintableApp[int]):
         Binding("t", "retake", "Retake"),
         Binding("k", "skip", "Skip"),
         Binding("u", "undo", "Undo"),
-        Binding("g", "progress", "Grid"),
+        *(
+            Binding(screen.key, f"call('{name}')", screen.words)
+            for name, screen in operator_screens().items()
+            if screen.key
+        ),
         Binding("r", "again", "Try again"),
         Binding("b", "ring", "Bell"),
         Binding("question_mark,f1", "help", "Help"),
@@ -96,13 +104,15 @@ class RunApp(PrintableApp[int]):
         options: RunOptions,
         clock: Callable[[], float] = time.monotonic,
         make_engine: Callable[[Callable[[Happening], None]], Engine] = Engine,
+        screens: Mapping[str, OperatorScreen] | None = None,
     ) -> None:
         super().__init__()
         self.conductor = Conductor(options, self._changed, clock, make_engine)
         self._clock = clock
         self._collector = CalmCollector()
-        self._steps: dict[Step, StepScreen] = {}
-        self._overview = False  # the operator looks at the progress
+        self._screens = operator_screens() if screens is None else screens
+        self._steps: dict[str, StepScreen] = {}
+        self._called: str | None = None  # the screen the operator has called by its key
         self._bell = False
         self._stale = True
         self._deriving: Worker[None] | None = None
@@ -116,18 +126,12 @@ class RunApp(PrintableApp[int]):
 
     async def on_mount(self) -> None:
         """Show the laboratory, and begin."""
-        self._steps = {
-            Step.LAB: LabScreen(),
-            Step.POSTURE: PostureScreen(),
-            Step.POINT: PointScreen(),
-            Step.HIT: HitScreen(),
-            Step.PROGRESS: ProgressScreen(),
-        }
-        for step, screen in self._steps.items():
-            self.install_screen(screen, step.value)  # kept when another one is shown
+        self._steps = {name: screen.make() for name, screen in self._screens.items()}
+        for name, screen in self._steps.items():
+            self.install_screen(screen, name)  # kept when another one is shown
         # The screen that says how the session ended is ready when it ends.
-        await self.push_screen(self._steps[Step.PROGRESS])
-        await self.switch_screen(self._steps[Step.LAB])
+        await self.push_screen(self._steps[PROGRESS])
+        await self.switch_screen(self._steps[self._shown])
         self.set_interval(REDRAW_WALL_S, self._tick)
         self.run_worker(self.conductor.start())
 
@@ -149,7 +153,7 @@ class RunApp(PrintableApp[int]):
         if isinstance(event, Noted) and not event.text.startswith(CONFIRMED):
             self.notify(event.text, severity="warning", markup=False)
         if isinstance(event, HitJudged | Failed):
-            self._overview = False
+            self._called = None
             if self.screen_stack and isinstance(self.screen, HelpScreen):
                 self.pop_screen()  # the verdict lies beneath
         if isinstance(event, SessionOpened):
@@ -176,29 +180,35 @@ class RunApp(PrintableApp[int]):
         """Show the screen the state asks for, if it has changed."""
         if not self._steps or not self.screen_stack or not isinstance(self.screen, StepScreen):
             return
-        wanted = self._steps[self._step]
+        wanted = self._steps[self._shown]
         if self.screen is not wanted:
             self.switch_screen(wanted)
             wanted.show(self.state)
         elif self._stale:
             wanted.show(self.state)
         self._stale = False
-        offered = tuple(works(name, self.state, overview=self._overview) for name in ACTIONS)
+        offered = tuple(
+            works(name, self.state, overview=self._called is not None) for name in ACTIONS
+        )
         if offered != self._offered:
             self._offered = offered
             self.refresh_bindings()
 
     @property
-    def _step(self) -> Step:
+    def _shown(self) -> str:
+        """Name of the screen that is to be seen."""
         stopped = self.state.phase in {Phase.FAILED, Phase.ENDED}
-        return Step.PROGRESS if self._overview or stopped else self.state.step
+        if self._called is not None and not stopped:
+            return self._called
+        return needed_screen(self.state, self._screens)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer only the keys that do something now."""
-        del parameters
+        if action == "call" and parameters[0] not in self._screens:
+            return False
         if action in ACTIONS and not isinstance(self.screen, StepScreen):
             return False  # a dialogue has the keys
-        return works(action, self.state, overview=self._overview)
+        return works(action, self.state, overview=self._called is not None)
 
     def takes_key(self, key: str) -> bool:
         """Whether a key is a digit of the list of ports."""
@@ -211,10 +221,10 @@ class RunApp(PrintableApp[int]):
 
     async def action_go_on(self) -> None:
         """Enter: what it means is said on the screen."""
-        progress = self._steps.get(Step.PROGRESS)
-        if self._overview and isinstance(progress, ProgressScreen):
-            place = progress.chosen
-            self._overview = False
+        if self._called is not None:
+            screen = self._steps[self._called]
+            self._called = None
+            place = screen.chosen if isinstance(screen, ProgressScreen) else None
             if place is not None and place != self.state.here:
                 self.conductor.retake(place)
             self.redraw()
@@ -273,9 +283,9 @@ class RunApp(PrintableApp[int]):
         """Take the last accepted hit back."""
         self.conductor.undo()
 
-    def action_progress(self) -> None:
-        """Look at the progress, and back."""
-        self._overview = not self._overview
+    def action_call(self, name: str) -> None:
+        """Look at a screen, and back."""
+        self._called = None if self._called == name else name
         self._stale = True
         self.redraw()
 
@@ -290,7 +300,9 @@ class RunApp(PrintableApp[int]):
 
     def action_help(self) -> None:
         """Show what the keys do."""
-        self.push_screen(HelpScreen())
+        screens = self._screens.items()
+        more = [(one.key, one.words) for name, one in screens if one.key and name != PROGRESS]
+        self.push_screen(HelpScreen(more))
 
     async def action_leave(self) -> None:
         """Leave; what was accepted is in the journal, and the session can be gone on with."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
@@ -29,19 +31,29 @@ WORDS = """\
  r      try again after a stop          b  bell at every verdict
  q      leave: come back with the same command, it goes on at the same point
  ctrl+p all commands and themes
-
+{more}
 Closing the window, or killing this program, loses no hit: another process measures.
 Any key closes this help.
 """
 
 
 class HelpScreen(ModalScreen[None]):
-    """Over whatever is shown."""
+    """Over whatever is shown.
+
+    Parameters
+    ----------
+    more
+        Further keys, and what they do.
+    """
+
+    def __init__(self, more: Iterable[tuple[str, str]] = ()) -> None:
+        super().__init__()
+        self._more = "".join(f" {key:6} {words.lower()}\n" for key, words in more)
 
     def compose(self) -> ComposeResult:
         """The words."""
         with VerticalScroll(id="help"):
-            yield Static(WORDS)
+            yield Static(WORDS.format(more=self._more))
 
     def on_key(self, event: events.Key) -> None:
         """Go back."""

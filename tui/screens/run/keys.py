@@ -19,7 +19,7 @@ ACTIONS = (
     "retake",
     "skip",
     "undo",
-    "progress",
+    "call",
     "again",
 )
 
@@ -44,7 +44,7 @@ def works(action: str, state: RunState, *, overview: bool) -> bool:
         "retake": in_session and not overview,
         "skip": in_session and not overview,
         "undo": in_session and any(p.accepted for p in state.progress),
-        "progress": in_session,
+        "call": in_session,
         "again": state.phase is Phase.FAILED or _paused(state),
     }
     return answers.get(action, True)

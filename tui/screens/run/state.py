@@ -25,7 +25,7 @@ from armodal.protocols.sensor_memory import KnownSensor
 from armodal.protocols.session.journal import Mark
 from armodal.protocols.session.records import Hit, JointReading
 
-__all__ = ["FEWEST_MASS_HITS", "RATIO_OFF", "Phase", "RunState", "Step", "begin_state"]
+__all__ = ["FEWEST_MASS_HITS", "RATIO_OFF", "Phase", "RunState", "begin_state"]
 
 FEWEST_MASS_HITS = 3  # on a known mass, before they tell anything
 RATIO_OFF = 0.03  # what two certificates of 1.5 % leave open
@@ -40,16 +40,6 @@ class Phase(StrEnum):
     SESSION = "session"
     FAILED = "failed"
     ENDED = "ended"
-
-
-class Step(StrEnum):
-    """The screen the operator needs now."""
-
-    LAB = "lab"
-    POSTURE = "posture"
-    POINT = "point"
-    HIT = "hit"
-    PROGRESS = "progress"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,20 +153,6 @@ class RunState:
             return None
         roving = self.plan.mode is Mode.ROVING_RESPONSE
         return prompt.posture.name, prompt.sensor_point if roving else prompt.hit_point
-
-    @property
-    def step(self) -> Step:
-        """The screen the operator needs now."""
-        if self.phase in {Phase.LAB, Phase.OPENING}:
-            return Step.LAB
-        if self.prompt is None and self.phase is Phase.SESSION:
-            return Step.LAB
-        if self.phase is Phase.ENDED or self.prompt is None or self.prompt.posture is None:
-            return Step.PROGRESS
-        kind = self.prompt.kind.value
-        if kind == "posture" or not self.safe:
-            return Step.POSTURE
-        return Step.POINT if kind == "point" else Step.HIT
 
 
 def begin_state(

@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 import pytest
 from support.once_for_all import once_for_all
 from support.screen import Notices
+from support.shipped_screens import SHIPPED_PANES
 
-from armodal.tui.screens.review import shape_picture
 from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.screens.review.command_run import ARMODAL
+from armodal.tui.screens.review.panes import shape
 from armodal.tui.screens.review.posture_view import fit_automatic, opened_session
 
 
@@ -34,7 +35,7 @@ class Clock:
 @pytest.fixture(autouse=True)
 def _unhurried_pictures(monkeypatch):
     """Shapes move by themselves once a second: a screen that never rests is waited for in vain."""
-    monkeypatch.setattr(shape_picture, "FRAMES_A_SECOND", 1)
+    monkeypatch.setattr(shape, "FRAMES_A_SECOND", 1)
 
 
 @pytest.fixture
@@ -52,7 +53,15 @@ def notices():
 def drive(opened, tmp_path, clock, notices):
     """Runs a coroutine function of (app, pilot) on the app with every posture fitted."""
 
-    def run(steps, *, size=(100, 30), environment=None, prepare=None, command=ARMODAL):
+    def run(
+        steps,
+        *,
+        size=(100, 30),
+        environment=None,
+        prepare=None,
+        command=ARMODAL,
+        panes=SHIPPED_PANES,
+    ):
         path = tmp_path / "s.h5"
         if prepare is not None:
             prepare(path)
@@ -64,6 +73,7 @@ def drive(opened, tmp_path, clock, notices):
                 clock=clock,
                 environment=environment or {},
                 command=command,
+                panes=panes,
             )
             async with app.run_test(size=size, message_hook=notices) as pilot:
                 await app.workers.wait_for_complete()  # read, every posture fitted, picks taken

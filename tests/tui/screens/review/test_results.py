@@ -14,9 +14,9 @@ from armodal.analyzer.report import gap_to_json
 from armodal.protocols.errors import EstimateError, SessionError
 from armodal.tui.command_parts.gap_results import gap_json
 from armodal.tui.screens.review.command_run import CommandRun
-from armodal.tui.screens.review.gap_pane import read_gap
 from armodal.tui.screens.review.gap_text import gap_view
 from armodal.tui.screens.review.identify_text import identification_view
+from armodal.tui.screens.review.panes.gap import read_gap
 from armodal.tui.screens.review.picked_file import picked_path
 
 

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.screen import screen_rows, screen_text
+from support.shipped_screens import SHIPPED_PANES as SHIPPED
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.protocols.errors import EstimateError, SessionError
 from armodal.protocols.session.records import Session
 from armodal.tui.screens.key_line import KeyLine
-from armodal.tui.screens.review.app import TABS, ReviewApp
+from armodal.tui.screens.review.app import ReviewApp
 from armodal.tui.screens.review.posture_view import (
     PostureView,
     fit_automatic,
@@ -39,7 +40,7 @@ def test_every_screen_shows_its_key_words_and_how_to_leave_at_the_smallest_and_a
     drive, size
 ):
     async def steps(app, pilot):
-        for number, tab in enumerate(TABS, start=1):
+        for number, tab in enumerate(WORDS, start=1):
             await pilot.press(str(number))
             await pilot.pause()
             shown = screen_text(app)
@@ -202,10 +203,10 @@ def _opened_changed(opened, arm, joints_rad):
 def _every_screen(opened, path):
     async def main():
         shown = {}
-        app = ReviewApp(path, opened=replace(opened, path=path), environment={})
+        app = ReviewApp(path, opened=replace(opened, path=path), environment={}, panes=SHIPPED)
         async with app.run_test(size=(100, 30)) as pilot:
             await app.workers.wait_for_complete()
-            for number, tab in enumerate(TABS, start=1):
+            for number, tab in enumerate(WORDS, start=1):
                 await pilot.press(str(number))
                 await pilot.pause()
                 shown[tab] = screen_text(app)
@@ -299,7 +300,7 @@ KEYS = {
 
 def test_each_screen_says_on_its_last_row_what_the_keys_do(drive):
     async def steps(app, pilot):
-        for number, tab in enumerate(TABS, start=1):
+        for number, tab in enumerate(WORDS, start=1):
             await pilot.press(str(number))
             await pilot.pause()
             assert screen_rows(app)[-1] == KEYS[tab]

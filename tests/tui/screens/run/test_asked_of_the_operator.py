@@ -34,7 +34,7 @@ from armodal.tui.screens.run.happenings import (
 )
 from armodal.tui.screens.run.keys import works
 from armodal.tui.screens.run.state import Phase
-from armodal.tui.screens.run.steps.step import Pane
+from armodal.tui.screens.run.step_screen import Pane
 
 
 def test_enter_confirms_safety_first_and_then_says_ready(tmp_path):

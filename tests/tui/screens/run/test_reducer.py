@@ -22,6 +22,7 @@ from support.made_run import (
     reading,
     trial,
 )
+from support.shipped_screens import SHIPPED_SCREENS
 
 from armodal.daq.events import DeviceTrouble, Failed, HitWithdrawn, LossNoted, Noted
 from armodal.daq.session_machine import hit_judged
@@ -37,8 +38,9 @@ from armodal.tui.screens.run.happenings import (
     Tick,
 )
 from armodal.tui.screens.run.keys import works
+from armodal.tui.screens.run.operator_screen import needed_screen
 from armodal.tui.screens.run.reducer import KEPT_PREVIEWS
-from armodal.tui.screens.run.state import SILENT_AFTER_S, Phase, Step, begin_state
+from armodal.tui.screens.run.state import SILENT_AFTER_S, Phase, RunState, begin_state
 from armodal.tui.screens.run.views.lab import devices_text, next_step
 
 
@@ -46,14 +48,18 @@ def loss(kind: str, count: int) -> LossNoted:
     return LossNoted(loss=Loss(kind=kind, count=count, first_sample=None, host_s=0.0, note=""))
 
 
+def shown(state: RunState) -> str:
+    return needed_screen(state, SHIPPED_SCREENS)
+
+
 def test_the_steps_follow_the_prompts():
     state = after(fresh(), *SESSION_EVENTS)
-    assert state.step is Step.POSTURE
+    assert shown(state) == "posture"
     state = after(state, prompted(AT_POINT))
-    assert state.step is Step.POSTURE  # until the operator has confirmed that it is safe
+    assert shown(state) == "posture"  # until the operator has confirmed that it is safe
     state = after(state, SafeConfirmed())
-    assert state.step is Step.POINT
-    assert after(state, prompted(AT_HIT)).step is Step.HIT
+    assert shown(state) == "point"
+    assert shown(after(state, prompted(AT_HIT))) == "hit"
 
 
 def test_safety_is_not_confirmed_of_an_arm_that_is_not_held():
@@ -68,10 +74,10 @@ def test_safety_is_not_confirmed_of_an_arm_whose_angles_are_unknown():
 
 def test_an_arm_let_go_takes_the_confirmation_back_at_once():
     state = after(fresh(), *HIT_EVENTS)
-    assert state.step is Step.HIT
+    assert shown(state) == "hit"
     let_go = after(state, reading(held=False))
     assert not let_go.safe
-    assert after(let_go, reading()).step is Step.POSTURE  # it has to be confirmed again
+    assert shown(after(let_go, reading())) == "posture"  # it has to be confirmed again
 
 
 def test_a_short_gap_of_the_bus_is_said_and_a_long_one_takes_the_confirmation_back():
@@ -92,7 +98,7 @@ def test_joints_that_are_no_longer_told_of_become_unknown():
 
 def test_leaving_the_posture_takes_the_confirmation_back():
     state = after(fresh(), *HIT_EVENTS, prompted(AT_POSTURE), prompted(AT_HIT))
-    assert state.step is Step.POSTURE
+    assert shown(state) == "posture"
 
 
 def test_progress_is_that_of_the_acquisition():
@@ -153,7 +159,7 @@ def test_a_failure_says_so_and_the_session_can_be_gone_on_with():
     assert state.phase is Phase.FAILED
     assert not state.safe
     again = after(state, SessionWanted(), *SESSION_EVENTS[-3:])
-    assert again.step is Step.POSTURE
+    assert shown(again) == "posture"
     assert again.failed is None
 
 

@@ -30,8 +30,8 @@ from armodal.tui.screens.run.happenings import (
     SafeConfirmed,
     SensorsConfirmed,
 )
+from armodal.tui.screens.run.step_screen import Pane
 from armodal.tui.screens.run.steps.progress import ProgressScreen
-from armodal.tui.screens.run.steps.step import Pane
 from armodal.tui.screens.run.views.parts import losses_text
 from armodal.tui.screens.run.views.posture import joints_text
 

@@ -1,1 +1,1 @@
-"""The screens of `armodal run`, one a file."""
+"""The operator's screens, one a module with its `SCREEN`; each is found by itself."""

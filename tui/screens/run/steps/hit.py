@@ -6,12 +6,13 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 
+from armodal.tui.screens.run.operator_screen import OperatorScreen
 from armodal.tui.screens.run.pictures import HitPictures, live_picture
 from armodal.tui.screens.run.state import RunState
-from armodal.tui.screens.run.steps.step import Pane, StepScreen
+from armodal.tui.screens.run.step_screen import Pane, StepScreen
 from armodal.tui.screens.run.views.hit import left_text, verdict_text
 
-__all__ = ["HitScreen"]
+__all__ = ["SCREEN", "HitScreen"]
 
 
 class HitScreen(StepScreen):
@@ -56,3 +57,6 @@ class HitScreen(StepScreen):
     def brief(self, state: RunState) -> Text:
         """Return the verdict alone."""
         return verdict_text(state, self.size.width - 2, 4)
+
+
+SCREEN = OperatorScreen(make=HitScreen, needed=lambda _: True, place=50)

@@ -6,12 +6,13 @@ from rich.text import Text
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 
-from armodal.tui.screens.run.state import RunState
-from armodal.tui.screens.run.steps.step import Pane, StepScreen
+from armodal.tui.screens.run.operator_screen import OperatorScreen
+from armodal.tui.screens.run.state import Phase, RunState
+from armodal.tui.screens.run.step_screen import Pane, StepScreen
 from armodal.tui.screens.run.views.lab import devices_text, levels_text, next_step, trials_text
 from armodal.tui.screens.run.views.parts import big
 
-__all__ = ["LabScreen"]
+__all__ = ["SCREEN", "LabScreen"]
 
 
 class LabScreen(StepScreen):
@@ -35,3 +36,12 @@ class LabScreen(StepScreen):
         self.pane("devices").show(devices_text(state))
         self.pane("levels").show(levels_text(state, width))
         self.pane("trials").show(trials_text(state))
+
+
+def _needed(state: RunState) -> bool:
+    """Until the session has said what is to be done first."""
+    waits = state.phase is Phase.SESSION and state.prompt is None
+    return waits or state.phase in {Phase.LAB, Phase.OPENING}
+
+
+SCREEN = OperatorScreen(make=LabScreen, needed=_needed, place=10)

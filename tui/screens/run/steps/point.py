@@ -10,15 +10,17 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 
+from armodal.daq.session_machine import PromptKind
+from armodal.tui.screens.run.operator_screen import OperatorScreen
 from armodal.tui.screens.run.overview import roving_place
 from armodal.tui.screens.run.pictures import HitPictures, point_picture
 from armodal.tui.screens.run.state import RunState
-from armodal.tui.screens.run.steps.step import Pane, StepScreen
+from armodal.tui.screens.run.step_screen import Pane, StepScreen
 from armodal.tui.screens.run.views.hit import last_hit_text
 from armodal.tui.screens.run.views.point import last_verdict_text, point_text
 from armodal.tui.screens.run.words import what_to_do
 
-__all__ = ["PointScreen"]
+__all__ = ["SCREEN", "PointScreen"]
 
 TURN_RAD = math.radians(15.0)
 
@@ -75,3 +77,10 @@ class PointScreen(StepScreen):
         return (
             Text().append(f"{what_to_do(state)}\n", style="bold").append_text(last_hit_text(state))
         )
+
+
+def _needed(state: RunState) -> bool:
+    return state.prompt is not None and state.prompt.kind is PromptKind.POINT
+
+
+SCREEN = OperatorScreen(make=PointScreen, needed=_needed, place=40)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from rich.text import Text
 from textual.app import ComposeResult
 
+from armodal.daq.session_machine import PromptKind
+from armodal.tui.screens.run.operator_screen import OperatorScreen
 from armodal.tui.screens.run.state import RunState
-from armodal.tui.screens.run.steps.step import Pane, StepScreen
+from armodal.tui.screens.run.step_screen import Pane, StepScreen
 from armodal.tui.screens.run.views.hit import last_hit_text
 from armodal.tui.screens.run.views.posture import joints_text, posture_word, word_text
 
-__all__ = ["PostureScreen"]
+__all__ = ["SCREEN", "PostureScreen"]
 
 HIGH, MIDDLING = 38, 28  # rows of the window, from which the word is written larger
 
@@ -36,3 +38,12 @@ class PostureScreen(StepScreen):
         """Return the large word, small, and the verdict on the hit before."""
         word, style, _ = posture_word(state)
         return Text().append(f"{word}\n", style=style).append_text(last_hit_text(state))
+
+
+def _needed(state: RunState) -> bool:
+    """Until the arm stands in its posture, and the operator has said that it is safe."""
+    prompt = state.prompt
+    return (prompt is not None and prompt.kind is PromptKind.POSTURE) or not state.safe
+
+
+SCREEN = OperatorScreen(make=PostureScreen, needed=_needed, place=30)

@@ -10,8 +10,9 @@ from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 
+from armodal.tui.screens.run.operator_screen import OperatorScreen
 from armodal.tui.screens.run.state import Phase, RunState
-from armodal.tui.screens.run.steps.step import Pane, StepScreen
+from armodal.tui.screens.run.step_screen import Pane, StepScreen
 from armodal.tui.screens.run.views.hit import last_hit_text
 from armodal.tui.screens.run.views.progress import (
     cell_width,
@@ -22,7 +23,7 @@ from armodal.tui.screens.run.views.progress import (
     summary_text,
 )
 
-__all__ = ["ProgressScreen"]
+__all__ = ["SCREEN", "ProgressScreen"]
 
 
 class ProgressScreen(StepScreen):
@@ -102,3 +103,12 @@ class ProgressScreen(StepScreen):
             return None
         place = self._state.progress[self.cursor]
         return place.posture, place.point
+
+
+def _needed(state: RunState) -> bool:
+    """Where there is nothing to be done at a posture."""
+    stopped = state.phase in {Phase.FAILED, Phase.ENDED}
+    return stopped or state.prompt is None or state.prompt.posture is None
+
+
+SCREEN = OperatorScreen(make=ProgressScreen, needed=_needed, place=20, key="g", words="Grid")

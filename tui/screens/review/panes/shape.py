@@ -15,11 +15,12 @@ from textual.binding import Binding, BindingType
 from armodal.analyzer.identification.shape_motion import ShapeMotion, measured_motion
 from armodal.analyzer.identification.structural import mozzi_of_shape
 from armodal.tui.drawing import Camera, Canvas, Wireframe, arm_wireframe, draw_axis, draw_points
+from armodal.tui.screens.review.pane import ReviewPane
 from armodal.tui.screens.review.picture import Picture
 from armodal.tui.screens.review.posture_view import PostureView
 from armodal.tui.screens.review.state import ReviewState
 
-__all__ = ["ShapePicture"]
+__all__ = ["PANE", "ShapePicture"]
 
 FRAMES_A_SECOND = 24
 _TURN_RAD = np.deg2rad(7.5)
@@ -306,3 +307,8 @@ def _why_not(view: PostureView) -> str:
     if not view.model.modes:
         return "no mode was found in this posture"
     return "no joint angles were measured: the arm cannot be drawn in this posture"
+
+
+PANE = ReviewPane(
+    title="Shape", place=6, make=lambda parts: (ShapePicture(parts.state, clock=parts.clock),)
+)

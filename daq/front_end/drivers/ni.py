@@ -20,7 +20,7 @@ from armodal.daq.front_end.timing import SampleTimes
 from armodal.protocols.errors import DeviceLostError, FrontEndError, MissingPackageError
 from armodal.protocols.front_end import FrontEnd
 
-__all__ = ["NiModule", "ni_package"]
+__all__ = ["DRIVER", "NiModule", "ni_package"]
 
 STANDARD_GRAVITY_M_S2 = 9.80665  # of the driver's mV/g (3rd CGPM, 1901)
 BUFFER_S = 10.0
@@ -228,3 +228,6 @@ class NiModule:
             gone = lost or code in {-201003, OVERWRITTEN}
             kind = DeviceLostError if gone else FrontEndError
             raise kind(f"{self.name}: {means}{'; then resume' if gone else ''}") from error
+
+
+DRIVER = NiModule

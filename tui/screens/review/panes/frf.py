@@ -10,10 +10,11 @@ from textual.binding import Binding, BindingType
 from armodal.analyzer.modal import synthesise
 from armodal.protocols.frf_records import Dof, FrfForm
 from armodal.tui.drawing import Canvas, Scale, Series, log_scale, plot, plot_frame
+from armodal.tui.screens.review.pane import ReviewPane
 from armodal.tui.screens.review.spectrum import SpectrumPicture
 from armodal.tui.screens.review.state import ReviewState
 
-__all__ = ["UNITS", "FrfPicture"]
+__all__ = ["PANE", "UNITS", "FrfPicture"]
 
 UNITS = {
     FrfForm.RECEPTANCE: "m/N",
@@ -170,3 +171,6 @@ below, phase and coherence. The arrows left and right move the cursor, up and do
 
 def _dof(dof: Dof) -> str:
     return f"{dof.label} {dof.point}" if dof.label == "hit" else f"point {dof.point} {dof.label}"
+
+
+PANE = ReviewPane(title="FRF", place=1, make=lambda parts: (FrfPicture(parts.state),))

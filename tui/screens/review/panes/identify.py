@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rich.console import RenderableType
 
 from armodal.tui.screens.review.identify_text import identification_view
+from armodal.tui.screens.review.pane import ReviewPane
 from armodal.tui.screens.review.picked_file import picked_path
 from armodal.tui.screens.review.run_pane import RunPane
 
-__all__ = ["IdentifyPane"]
+__all__ = ["PANE", "IdentifyPane"]
 
 
 class IdentifyPane(RunPane):
@@ -53,6 +56,10 @@ far up it goes, and what is set beside the result.
         else:
             super().action_start()
 
+    def keep(self, value: dict[str, Any]) -> None:
+        """Keep it for all screens."""
+        self.state.identification = value
+
     def result(self) -> RenderableType | None:
         """Tables with ranges."""
         found = self.state.identification
@@ -60,3 +67,10 @@ far up it goes, and what is set beside the result.
 
     def _by_hand(self) -> list[str]:
         return [view.name for view in self.state.views if view.by_hand]
+
+
+PANE = ReviewPane(
+    title="Identify",
+    place=7,
+    make=lambda parts: (IdentifyPane(parts.state, command=parts.command),),
+)

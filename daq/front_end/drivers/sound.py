@@ -15,7 +15,7 @@ from armodal.daq.front_end.timing import SampleTimes
 from armodal.protocols.errors import DeviceLostError, FrontEndError, MissingPackageError
 from armodal.protocols.front_end import FrontEnd
 
-__all__ = ["SoundCard", "sound_package"]
+__all__ = ["DRIVER", "SoundCard", "sound_package"]
 
 MOST_WAITING = 4096  # blocks of the card that nobody has read
 
@@ -149,3 +149,6 @@ def _device(source: str) -> int | str | None:
     if not source:
         return None
     return int(source) if source.isdigit() else source
+
+
+DRIVER = SoundCard

@@ -12,10 +12,11 @@ from textual.message import Message
 
 from armodal.analyzer.modal import Stabilisation, cmif, stable_poles
 from armodal.tui.drawing import Canvas, Cursor, Frame, Scale, Series, plot, plot_frame
+from armodal.tui.screens.review.pane import ReviewPane
 from armodal.tui.screens.review.spectrum import SpectrumPicture
 from armodal.tui.screens.review.state import ReviewState
 
-__all__ = ["StabilisationPicture"]
+__all__ = ["PANE", "StabilisationPicture"]
 
 _SAME = 0.005  # of |pole|: picks nearer than this are one
 _MOST_DAMPING = 0.5  # poles damped more are not drawn: none of them is a mode
@@ -266,3 +267,6 @@ back to the automatic choice, `s` saves the picks beside the session.
             words.append("PICKED")
         words.append(f"{len(self.state.view.picks)} picked")
         return ", ".join(words)
+
+
+PANE = ReviewPane(title="Poles", place=3, make=lambda parts: (StabilisationPicture(parts.state),))

@@ -14,7 +14,7 @@ from armodal.protocols.foreign.wav import wav_variables
 from armodal.protocols.front_end import FrontEnd
 from armodal.protocols.os_words import os_words
 
-__all__ = ["Replay"]
+__all__ = ["DRIVER", "Replay"]
 
 LARGEST_BYTES = 2**30
 
@@ -97,3 +97,6 @@ def _read(path: Path, inputs: tuple[int | str, ...]) -> tuple[npt.NDArray[np.int
         raise FrontEndError(f"{path.name} has no samples; save it again")
     columns = [to_counts(found.variables[number - 1].values) for number in numbers]
     return np.column_stack(columns), round(1.0 / found.axis.step)
+
+
+DRIVER = Replay

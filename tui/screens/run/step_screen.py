@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.containers import Horizontal
+from textual.containers import Horizontal, Vertical
 from textual.css.query import NoMatches
 from textual.screen import Screen
 from textual.widget import Widget
@@ -60,7 +60,8 @@ class StepScreen(Screen[None]):
         """Title, body, safety and losses, keys."""
         yield Pane(id="title")
         yield Pane(id="too-small")
-        yield from self.body()
+        with Vertical(id="body"):
+            yield from self.body()
         with Horizontal(id="state-line"):
             yield Pane(id="safety")
             yield Pane(id="losses")

@@ -10,11 +10,12 @@ from textual.binding import Binding, BindingType
 from armodal.analyzer.modal import cmif, group_sums
 from armodal.protocols.errors import EstimateError
 from armodal.tui.drawing import Canvas, Series, log_scale, plot, plot_frame
-from armodal.tui.screens.review.frf_picture import UNITS
+from armodal.tui.screens.review.pane import ReviewPane
+from armodal.tui.screens.review.panes.frf import UNITS
 from armodal.tui.screens.review.spectrum import SpectrumPicture
 from armodal.tui.screens.review.state import ReviewState
 
-__all__ = ["CmifPicture"]
+__all__ = ["PANE", "CmifPicture"]
 
 _GROUP_GLYPHS = "abcdefgh"
 _GLYPH_EVERY = 8  # cells between the letters that tell groups apart
@@ -97,3 +98,6 @@ of points, each marked with its letter.
             )
             names.append(f"{glyph} {name}")
         return series, "sums of " + ", ".join(names)
+
+
+PANE = ReviewPane(title="CMIF", place=2, make=lambda parts: (CmifPicture(parts.state),))

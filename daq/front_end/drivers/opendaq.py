@@ -19,7 +19,7 @@ from armodal.daq.front_end.timing import SampleTimes
 from armodal.protocols.errors import DeviceLostError, FrontEndError, MissingPackageError
 from armodal.protocols.front_end import FrontEnd
 
-__all__ = ["OpenDaqDevice", "opendaq_package"]
+__all__ = ["DRIVER", "OpenDaqDevice", "opendaq_package"]
 
 RATE_PROPERTIES = ("GlobalSampleRate", "SampleRate")  # as openDAQ's devices call it
 _UNITS = {"N": ("N",), "m/s^2": ("m/s^2", "m/s²")}
@@ -191,3 +191,6 @@ class OpenDaqDevice:
         resolution = descriptor.tick_resolution
         tick_s = Fraction(int(resolution.numerator), int(resolution.denominator))
         return 1 / (tick_s * int(parameters["delta"]))
+
+
+DRIVER = OpenDaqDevice

@@ -15,9 +15,10 @@ from armodal.protocols.errors import ArmodalError, SessionError
 from armodal.protocols.os_words import os_words
 from armodal.tui.screens.review.gap_text import gap_view
 from armodal.tui.screens.review.next_test import NextRun, keep_plan, next_run, next_test_plan
+from armodal.tui.screens.review.pane import ReviewPane
 from armodal.tui.screens.review.run_pane import RunPane
 
-__all__ = ["GapPane", "read_gap"]
+__all__ = ["PANE", "GapPane", "read_gap"]
 
 _LIMIT = 64 * 1024 * 1024
 _NOT_SHOWN = (
@@ -93,6 +94,10 @@ proposed next test as a plan file beside the session and asks whether to measure
             "and shown here at once the next time."
         )
 
+    def keep(self, value: dict[str, Any]) -> None:
+        """Keep it for all screens."""
+        self.state.gap = value
+
     def result(self) -> RenderableType | None:
         """Verdict and all it stands on."""
         found = self.state.gap
@@ -112,3 +117,8 @@ proposed next test as a plan file beside the session and asks whether to measure
             self.app.notify(str(error), severity="error", timeout=10.0, markup=False)
         else:
             self.post_message(self.Planned(next_run(session, path)))
+
+
+PANE = ReviewPane(
+    title="Gap", place=8, make=lambda parts: (GapPane(parts.state, command=parts.command),)
+)

@@ -10,10 +10,11 @@ from textual.binding import Binding, BindingType
 
 from armodal.analyzer.modal import ModalModel, mac_matrix
 from armodal.tui.drawing import Canvas
+from armodal.tui.screens.review.pane import ReviewPane
 from armodal.tui.screens.review.picture import Picture
 from armodal.tui.screens.review.state import ReviewState
 
-__all__ = ["MacPicture"]
+__all__ = ["PANE", "MacPicture"]
 
 _SHADES = " ░▒▓█"
 _CELL, _HEAD = 8, 9
@@ -114,3 +115,6 @@ def _shapes(model: ModalModel) -> npt.NDArray[np.complex128]:
     return np.stack(
         [mode.shape if by_response else mode.participation for mode in model.modes], axis=1
     )
+
+
+PANE = ReviewPane(title="MAC", place=5, make=lambda parts: (MacPicture(parts.state),))
