@@ -9,21 +9,20 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from support.fault_runs import PLAN
+from support.accepted_hits import quick_folder
+from support.fault_runs import PLAN, shipped_arm
 from support.virtual_lab import VirtualLab
 
 from armodal.daq.acquisition import run_acquisition
 from armodal.daq.events import Failed, Finished, HitJudged
 from armodal.daq.settings import AcquisitionSettings
 from armodal.hil_sim.faults import Fault
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.file_layer import Disk
 from armodal.protocols.plan import plan_from_text
@@ -184,9 +183,9 @@ def disturbed_session(seed: int) -> Disturbed:
     """Run a small session that is disturbed once, resumed where it ends; kinds go in turn."""
     rng = np.random.default_rng([seed, 0xAD])
     kind = KINDS[seed % len(KINDS)]
-    arm = load_arm("rv4frl")
+    arm = shipped_arm()
     plan = plan_from_text(PLAN, arm)
-    with tempfile.TemporaryDirectory() as folder:
+    with quick_folder() as folder:
         root = Path(folder)
         (root / "data").mkdir()
         (root / "mirror").mkdir()
