@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from support.bombs import bomb
+import io
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+from support.bombs import BOMBS, bomb
 
 _XACRO = b'<?xml version="1.0"?><robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 
@@ -134,3 +139,55 @@ def many_faces_of_one_point() -> bytes:
 @bomb(("front end", "mqtt", "sensors"), ".toml")
 def small_files_of_tables() -> bytes:
     return b"[[channels]]\n" * 4_000
+
+
+def _packed_mcap(text: bytes, compression: str) -> bytes:
+    """An MCAP file whose only message is a JSON text after half a gigabyte of blanks."""
+    from mcap.writer import CompressionType, Writer  # noqa: PLC0415 - an extra
+
+    stream = io.BytesIO()
+    file = Writer(stream, chunk_size=2**30, compression=CompressionType[compression])
+    file.start()
+    schema = file.register_schema("sensor_msgs/Imu", "jsonschema", b"{}")
+    channel = file.register_channel("/a", "json", schema)
+    file.add_message(channel, 1, text, 1)
+    file.finish()
+    return stream.getvalue()
+
+
+@bomb(("motion",), ".mcap")
+def blanks_in_an_mcap() -> bytes:
+    return _packed_mcap(b" " * 250_000_000 + b"{}", "LZ4")
+
+
+@bomb(("motion",), ".mcap")
+def an_array_of_nothing() -> bytes:
+    """A message of which a billion empty ones are said to lie in it."""
+    from mcap.writer import Writer  # noqa: PLC0415 - an extra
+
+    stream = io.BytesIO()
+    file = Writer(stream)
+    file.start()
+    line = b"=" * 80
+    text = b"a/Row[1000000000] header\n" + line + b"\nMSG: a/Row\na/Leaf one\n"
+    text += line + b"\nMSG: a/Leaf\nuint8[0] no\n"
+    schema = file.register_schema("sensor_msgs/msg/Imu", "ros2msg", text)
+    channel = file.register_channel("/a", "cdr", schema)
+    file.add_message(channel, 1, b"\x00\x01\x00\x00" + bytes(64), 1)
+    file.finish()
+    return stream.getvalue()
+
+
+def _endless_view(path: Path) -> None:
+    """A bag whose version is the count of rows without end."""
+    with closing(sqlite3.connect(path)) as db:
+        db.execute("CREATE TABLE topics(id, name, type, serialization_format)")
+        db.execute("CREATE TABLE messages(id, topic_id, timestamp, data)")
+        db.execute(
+            "CREATE VIEW schema AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i+1 FROM n) "
+            "SELECT count(*) AS schema_version FROM n"
+        )
+        db.commit()
+
+
+BOMBS["a_bag_without_end"] = ("motion",), ".db3", _endless_view
