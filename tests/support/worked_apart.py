@@ -1,6 +1,7 @@
 """What `tests/protocols/test_apart.py` has done in another process."""
 
 import os
+import sys
 
 from armodal.protocols.errors import ForeignFileError
 
@@ -10,7 +11,7 @@ def said(text, times):
 
 
 def prints():
-    print("this is no answer")
+    sys.stdout.write("this is no answer")
     return "answer"
 
 
