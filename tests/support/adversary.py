@@ -111,6 +111,8 @@ OF_LAB = (
     "board-reboot at a blow",
     str(Fault.CLOCK_JUMP),
     "stale angles",
+    "overload",
+    "missing calibration",
 )
 KINDS = (*(f.__name__ for f in ON_FILES), *ON_DISK, *IN_TIME, *OF_LAB)
 
@@ -190,7 +192,10 @@ def disturbed_session(seed: int) -> Disturbed:
         (root / "data").mkdir()
         (root / "mirror").mkdir()
         faults, at_blows = _script(kind, rng)
-        lab = VirtualLab(plan, root, seed=seed, faults=faults, at_blows=at_blows)
+        calibrated = kind != "missing calibration"
+        lab = VirtualLab(
+            plan, root, seed=seed, faults=faults, at_blows=at_blows, calibrated=calibrated
+        )
         settings = AcquisitionSettings(
             board_port="board", can_channel="can", arm=arm, plan=plan,
             journal=root / "data" / "session.journal", session_id="a" * 16,
@@ -228,6 +233,11 @@ def _script(kind: str, rng: np.random.Generator) -> tuple[tuple[str, ...], tuple
         return (), ((int(rng.integers(1, 5)), str(Fault.BOARD_REBOOT), after, 0),)
     if kind == "stale angles":
         return (f"{Fault.CAN_SILENCE}@{int(rng.integers(0, 6000))}+2000",), ()
+    if kind == "overload":
+        blow, after = int(rng.integers(1, 5)), int(rng.integers(-64, 256))
+        return (), ((blow, str(Fault.CHANNEL_CLIPPED), after, int(rng.integers(16, 4000))),)
+    if kind == "missing calibration":
+        return (), ()
     if kind in OF_LAB:
         return (f"{kind}@{int(rng.integers(0, 6000))}",), ()
     return (), ()
