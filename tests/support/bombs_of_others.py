@@ -191,3 +191,39 @@ def _endless_view(path: Path) -> None:
 
 
 BOMBS["a_bag_without_end"] = ("motion",), ".db3", _endless_view
+
+
+@bomb(("mesh",), ".ply")
+def vertices_that_are_not_there() -> bytes:
+    head = b"ply\nformat binary_little_endian 1.0\nelement vertex 400000000\n"
+    head += b"property float x\nproperty float y\nproperty float z\nelement face 1\n"
+    return head + b"property list uint int vertex_indices\nend_header\n" + bytes(100)
+
+
+@bomb(("mesh",), ".obj")
+def a_face_of_many_corners() -> bytes:
+    return b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf " + b"1 2 3 " * 100_000 + b"\n"
+
+
+@bomb(("mesh",), ".dae")
+def nodes_of_nodes() -> bytes:
+    """A tetrahedron ten times in a node, and that ten times in another, and so on."""
+    nodes = [b'<node id="m0"><instance_geometry url="#g"/></node>']
+    nodes += [
+        b'<node id="m%d">' % i + b'<instance_node url="#m%d"/>' % (i - 1) * 10 + b"</node>"
+        for i in range(1, 9)
+    ]
+    axes = b"".join(b'<param name="%c" type="float"/>' % axis for axis in b"XYZ")
+    return (
+        b'<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" '
+        b'version="1.4.1"><asset><unit meter="1"/></asset><library_geometries><geometry id="g">'
+        b'<mesh><source id="s"><float_array id="f" count="12">0 0 0 1 0 0 0 1 0 0 0 1'
+        b'</float_array><technique_common><accessor source="#f" count="4" stride="3">' + axes +
+        b'</accessor></technique_common></source><vertices id="v"><input semantic="POSITION" '
+        b'source="#s"/></vertices><triangles count="4"><input semantic="VERTEX" source="#v" '
+        b'offset="0"/><p>0 1 2 0 2 3 0 3 1 1 3 2</p></triangles></mesh></geometry>'
+        b"</library_geometries><library_nodes>" + b"".join(nodes) +
+        b'</library_nodes><library_visual_scenes><visual_scene id="VS"><node id="n">'
+        b'<instance_node url="#m8"/></node></visual_scene></library_visual_scenes><scene>'
+        b'<instance_visual_scene url="#VS"/></scene></COLLADA>'
+    )  # fmt: skip

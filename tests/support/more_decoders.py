@@ -26,6 +26,7 @@ from support.wav_file import FRONT_END
 
 from armodal.analyzer.corrected.posture_file import read_postures
 from armodal.analyzer.own_arm.meshes import read_mesh
+from armodal.analyzer.own_arm.meshes import tried as load_mesh
 from armodal.analyzer.report.gap_file import gap_from_json, gap_to_json
 from armodal.daq.holder import read_holder, this_process
 from armodal.hil_sim.plant_file import load_plant_file
@@ -34,6 +35,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.foreign.content import read_content
 from armodal.protocols.foreign.measured import Hints
+from armodal.protocols.foreign.motion_messages import streams_of
 from armodal.protocols.foreign.read_motion import read_motion_log
 from armodal.protocols.front_end import front_end_from_text
 from armodal.protocols.mqtt_joints import mqtt_joints_from_text
@@ -126,7 +128,7 @@ def more_decoders(folder: Path, journal: bytes, small: dict[str, bytes]) -> Iter
     if find_spec("coal"):
         stl = box_stl(folder / "box.stl", (0.1, 0.2, 0.3)).read_bytes()
         yield "stl", (stl,), FileDecoder(folder, "f.stl", read_mesh), "plain"
-        yield "obj", (OBJ,), FileDecoder(folder, "f.obj", read_mesh), "text"
+        yield "obj", (OBJ,), FileDecoder(folder, "f.obj", lambda p: load_mesh(str(p))), "text"
     yield from _motion(folder, arm)
     yield "salvage", (journal, _two_in_one(journal)), _salvage, "journal"
     teds = tuple(iepe(0.01, is_force=force) for force in (True, False))
@@ -201,7 +203,7 @@ def _motion(folder: Path, arm: Any) -> Iterator[Made]:
         if made.is_dir():
             (made,) = made.glob("*.db3")
         name = f"m{number}{made.suffix}"
-        yield f"log, {kind}", (made.read_bytes(),), FileDecoder(folder, name, read), "plain"
+        yield f"log, {kind}", (made.read_bytes(),), FileDecoder(folder, name, streams_of), "plain"
 
 
 def _reads_motion(arm: Any) -> Callable[[Path], object]:
