@@ -74,7 +74,9 @@ def read_mesh(path: Path) -> tuple[Array, Triangles]:
     kind, name = path.suffix.lower(), f"mesh {path.name}"
     if kind not in _KINDS:
         raise ArmError(f"{name}: wanted STL, OBJ, DAE or PLY, got another kind; convert it")
-    size = path.stat().st_size if path.is_file() else 0
+    if not path.is_file():
+        raise ArmError(f"{name}: wanted a file, found none; check the path")
+    size = path.stat().st_size
     if size > _LARGEST_BYTES:
         raise ArmError(f"{name}: wanted at most {_LARGEST_BYTES} bytes, got more")
     if kind != ".stl":  # whose triangles stand one after the other
