@@ -32,7 +32,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 CORPUS = ROOT / "tests" / "fuzz_corpus"
 WORK = ROOT / "build" / "fuzz"
-SECONDS = 300
+SECONDS = int(os.environ.get("FUZZ_SECONDS", "300"))  # of each decoder
 KEPT_BYTES = 2048  # of an input in the repository
 KEPT_INPUTS = 12  # of a decoder
 MEMORY_MB = 2048
@@ -162,7 +162,9 @@ def figure_of(name: str, seconds: int, *, kept: bool) -> Figure | None:
     if kept and not wrong:
         keep(name)
     good = not wrong and tried > 0
-    return Figure(f"coverage-guided, {name}: inputs", f"{tried:,}", "1, no fault", good)
+    return Figure(
+        f"coverage-guided for {seconds} s, {name}: inputs", f"{tried:,}", "1, no fault", good
+    )
 
 
 if __name__ == "__main__":

@@ -2,11 +2,11 @@
 
     python bench/torture_block_device.py [--cuts 200] [--seed 1]
 
-A small ext4 lies on a loop device. A process appends hits and tells of each one that is durable. At
-a random moment it is stopped, and the device is copied as it is: what the kernel holds and has not
-written is lost, as when the power goes. The copy is mounted, which replays the file system's own
-journal, and every hit told of must be in it. Needs root and loop devices; without them that is
-said, and nothing is tried.
+A small ext4 lies on a loop device. A fork of this process appends hits and tells of each one that
+is durable. At a random moment it is stopped, and the device is copied as it is: what the kernel
+holds and has not written is lost, as when the power goes. The copy is mounted, which replays the
+file system's own journal, and every hit told of must be in it. Needs root and loop devices; without
+them that is said, and nothing is tried.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ import time
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from figures import Figure, told
@@ -53,14 +54,28 @@ class Lazy(Disk):
         pass
 
 
-def write(folder: Path, source: Path, files: Disk) -> None:
+def write(folder: Path, source: Path, files: Disk, told: int) -> None:
     """Append hits for ever, and tell the number of each one that counts."""
     journal = decode_journal(source.read_bytes())
     writer = JournalWriter.create(folder / "session.journal", journal.header, files=files)
     for number in count(1):
         hit = replace(journal.hits[number % len(journal.hits)], number=number)
         writer.append(encode_hit(hit))
-        os.write(1, number.to_bytes(COUNTED, "little"))
+        os.write(told, number.to_bytes(COUNTED, "little"))
+
+
+def writing(folder: Path, source: Path, files: Disk) -> tuple[int, BinaryIO]:
+    """Fork a process that writes; return its number, and what it tells."""
+    reading, told = os.pipe()
+    process = os.fork()
+    if process == 0:
+        try:
+            os.close(reading)
+            write(folder, source, files, told)
+        finally:
+            os._exit(1)
+    os.close(told)
+    return process, os.fdopen(reading, "rb")
 
 
 def run(*command: str | Path) -> None:
@@ -79,17 +94,16 @@ def cut(
     place.mkdir(exist_ok=True)
     run("mount", "-o", "loop", image, place)
     try:
-        command = [sys.executable, __file__, "--lazily" if lazily else "--write", place, source]
-        with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
-            if process.stdout is None:
-                raise ValueError("wanted a pipe")
-            said = process.stdout.read(COUNTED)  # it has begun
+        process, telling = writing(place, source, Lazy() if lazily else Disk())
+        with telling:
+            said = telling.read(COUNTED)  # it has begun
             time.sleep(float(rng.uniform(0.0, LONGEST_S)))
-            process.send_signal(signal.SIGSTOP)
-            os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+            os.kill(process, signal.SIGSTOP)
+            os.waitid(os.P_PID, process, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
             shutil.copy(image, left)
-            process.kill()
-            said += process.stdout.read()
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
+            said += telling.read()
     finally:
         run("umount", place)
     last = int.from_bytes(said[-COUNTED:], "little")
@@ -121,11 +135,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cuts", type=int, default=WANTED)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--write", nargs=2, type=Path)
-    parser.add_argument("--lazily", nargs=2, type=Path)
     given = parser.parse_args()
-    if given.write or given.lazily:
-        write(*(given.write or given.lazily), Disk() if given.write else Lazy())
     if not can_mount():
         print("no root, or no loop devices, on this machine: no block device was cut")
         return 0

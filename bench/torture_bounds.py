@@ -15,6 +15,7 @@ from figures import Figure, told
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+import support.bombs_of_others  # noqa: F401 - adds to them
 from support.accepted_hits import quick_folder
 from support.bombs import BOMBS
 from support.bounded import wrong_with

@@ -4,27 +4,29 @@ Each decoder runs in a process of its own with its memory bounded and a watchdog
 a crash, a hang, an error that is not an ArmodalError, or memory beyond the bound is a fault. The C
 decoders run under the address and undefined-behaviour sanitizers.
 
-    python bench/torture_fuzz.py [--bytes 50e6] [--inputs 5000] [--only NAME ...] [--seed 1]
+    python bench/torture_fuzz.py [--total 1e6] [--inputs 5000] [--only NAME ...] [--seed 1]
                                  [--keep FOLDER]
 
-A decoder gets at least so many bytes and at least so many inputs: of large files few would do for
-the bytes. Exit code 1 if there is any fault, or if a decoder got fewer bytes than are wanted; the
-input that made a fault is kept, and its name printed.
+A decoder gets at least so many mutated files. Then all get as much time as each other, until all
+of them together had the total. Exit code 1 if there is any fault, or if fewer were tried than are
+wanted; the input that made a fault is kept, and its name printed.
 """
 
 from __future__ import annotations
 
 import argparse
 import faulthandler
+import hashlib
 import json
+import os
 import resource
-import subprocess
 import sys
 import tempfile
 import time
+import traceback
 import warnings
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from figures import Figure, told
@@ -36,23 +38,50 @@ from support.decoders import Decoder, check
 from support.fuzz_c import C_DECODER, fuzz_c
 from support.fuzz_material import decoders_in
 
-WANTED_BYTES = 50_000_000  # of each decoder
+WANTED = 1_000_000  # mutated files, of all decoders together
+WANTED_EACH = 5000
+C_BYTES = 50_000_000
 MEMORY_BOUND = 1536 * 2**20  # of the whole process, the libraries (0.3 GB) counted in
-HANGS_AFTER_S = 20.0  # far beyond the slowest input on a busy machine
+HANGS_AFTER_S = 120.0  # far beyond the slowest input on a busy machine
 SLOW_S = 2.0  # of processor time on one input
 MOST_FAULTS = 10
+MARGIN = 1.05  # so that a second turn is enough
+
+
+@dataclass
+class Tried:
+    """What a decoder was given, and what it made of it."""
+
+    inputs: int = 0
+    bytes: int = 0
+    cpu_s: float = 0.0
+    faults: int = 0
+    slowest_s: float = 0.0
+    peak_mb: int = 0
+    told: list[str] = field(default_factory=list)
+
+    def add(self, more: Tried) -> None:
+        """Count what came after."""
+        self.inputs += more.inputs
+        self.bytes += more.bytes
+        self.cpu_s += more.cpu_s
+        self.faults += more.faults
+        self.slowest_s = max(self.slowest_s, more.slowest_s)
+        self.peak_mb = max(self.peak_mb, more.peak_mb)
+        self.told += more.told
 
 
 def fuzz(
-    decoder: Decoder, n_bytes: int, n_inputs: int, rng: np.random.Generator, keep: Path
-) -> dict[str, Any]:
-    """Feed mutated files to a decoder until so many bytes, and so many inputs, have gone in."""
+    decoder: Decoder, n_inputs: int, seconds: float, rng: np.random.Generator, keep: Path
+) -> Tried:
+    """Feed mutated files to a decoder, so many and for so many seconds of a processor."""
     at_hand = keep / (decoder.name.replace(" ", "-") + ".input")
-    done = inputs = faults = 0
-    slowest_s = 0.0
-    words: list[str] = []
+    tried = Tried()
     decoder.decode(decoder.seeds[0])
-    while (done < n_bytes or inputs < n_inputs) and faults < MOST_FAULTS:
+    all_s = time.process_time()
+    while (
+        tried.inputs < n_inputs or time.process_time() - all_s < seconds
+    ) and tried.faults < MOST_FAULTS:
         data = decoder.mutate(decoder.seeds[rng.integers(len(decoder.seeds))], rng, decoder.seeds)
         at_hand.write_bytes(data)  # there still if the process dies of it
         faulthandler.dump_traceback_later(HANGS_AFTER_S, exit=True)
@@ -60,105 +89,127 @@ def fuzz(
         wrong = check(decoder, data)
         took_s = time.process_time() - begun_s
         faulthandler.cancel_dump_traceback_later()
-        slowest_s = max(slowest_s, took_s)
+        tried.slowest_s = max(tried.slowest_s, took_s)
         if wrong is None and took_s > SLOW_S:
             wrong = f"took {took_s:.1f} s"
-        done += len(data)
-        inputs += 1
+        tried.bytes += len(data)
+        tried.inputs += 1
         if wrong is not None:
-            faults += 1
-            at_hand.with_suffix(f".fault-{faults}").write_bytes(data)
-            words.append(wrong[:300])
-    faulthandler.cancel_dump_traceback_later()
+            tried.faults += 1
+            name = f"{at_hand.stem}.fault-{hashlib.sha1(data, usedforsecurity=False).hexdigest()}"
+            at_hand.with_name(name).write_bytes(data)
+            tried.told.append(wrong[:300])
     at_hand.unlink(missing_ok=True)
-    return {
-        "bytes": done,
-        "inputs": inputs,
-        "faults": faults,
-        "slowest_s": round(slowest_s, 3),
-        "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
-        "told": words,
-    }
+    tried.cpu_s = time.process_time() - all_s
+    tried.peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    return tried
 
 
-def child(name: str, n_bytes: int, n_inputs: int, seed: int, keep: Path) -> int:
-    """Body of the process of one decoder."""
-    warnings.simplefilter("ignore")
-    with quick_folder() as folder:
-        decoder = decoders_in(folder)[name]
-        resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_BOUND, MEMORY_BOUND))
-        print(json.dumps(fuzz(decoder, n_bytes, n_inputs, np.random.default_rng(seed), keep)))
-    return 0
+def apart(decoder: Decoder, n_inputs: int, seconds: float, seed: list[int], keep: Path) -> Tried:
+    """Fuzz a decoder in a fork of this process; its death is a fault."""
+    reading, writing = os.pipe()
+    said = keep / "said"
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            os.close(reading)
+            with said.open("wb") as file:
+                os.dup2(file.fileno(), 2)
+            faulthandler.enable()
+            warnings.simplefilter("ignore")
+            resource.setrlimit(resource.RLIMIT_DATA, (MEMORY_BOUND, MEMORY_BOUND))
+            found = fuzz(decoder, n_inputs, seconds, np.random.default_rng(seed), keep)
+            os.write(writing, json.dumps(asdict(found)).encode())
+            code = 0
+        except BaseException:  # noqa: BLE001 - told by the parent
+            traceback.print_exc()
+        finally:
+            os._exit(code)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as file:
+        data = file.read()
+    _, status = os.waitpid(child, 0)
+    words = said.read_text(errors="replace")[-2500:]
+    said.unlink(missing_ok=True)
+    if data:
+        return Tried(**json.loads(data))
+    code = os.waitstatus_to_exitcode(status)
+    return Tried(faults=1, told=[f"the process ended with {code}: {words}"])
 
 
-def in_process(name: str, n_bytes: int, n_inputs: int, seed: int, keep: Path) -> dict[str, Any]:
-    """Fuzz a decoder in a process of its own; its death is a fault."""
-    command = [sys.executable, __file__, "--child", name, "--bytes", str(n_bytes)]
-    command += ["--inputs", str(n_inputs), "--seed", str(seed), "--keep", str(keep)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode == 0:
-        return dict(json.loads(done.stdout.splitlines()[-1]))
-    return {
-        "bytes": 0, "inputs": 0, "faults": 1, "slowest_s": 0.0, "peak_mb": 0,
-        "told": [f"the process ended with {done.returncode}: {done.stderr[-2500:]}"],
-    }  # fmt: skip
+def all_tried(
+    decoders: list[Decoder], total: int, each: int, seed: int, keep: Path
+) -> dict[str, Tried]:
+    """Fuzz every decoder, then all of them for as long as the total takes."""
+    found = {decoder.name: Tried() for decoder in decoders}
+    counted, share_s, turn = 0, 0.0, 0
+    while counted < total and not any(of.faults >= MOST_FAULTS for of in found.values()):
+        for decoder in decoders:
+            before_s = time.monotonic()
+            n = each if turn == 0 else 1
+            more = apart(decoder, n, share_s, [seed, turn], keep)
+            found[decoder.name].add(more)
+            print(
+                f"{decoder.name}: {more.inputs:,} inputs, {more.bytes:,} bytes, {more.faults} "
+                f"faults, slowest {more.slowest_s:.3f} s, peak {more.peak_mb} MB, "
+                f"{more.cpu_s:.0f} s of {time.monotonic() - before_s:.0f} s",
+                flush=True,
+            )
+            for line in more.told:
+                print(f"  {line}", flush=True)
+        counted = sum(of.inputs for of in found.values())
+        speeds = [of.inputs / max(of.cpu_s, 1e-3) for of in found.values()]
+        share_s = MARGIN * (total - counted) / max(sum(speeds), 1.0)
+        turn += 1
+    return found
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--bytes", type=float, default=50e6)
-    parser.add_argument("--inputs", type=int, default=5000)
+    parser.add_argument("--total", type=float, default=WANTED)
+    parser.add_argument("--inputs", type=int, default=WANTED_EACH)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", nargs="*")
     parser.add_argument("--keep", type=Path)
-    parser.add_argument("--child")
     given = parser.parse_args()
     keep = given.keep or Path(tempfile.mkdtemp(prefix="armodal-fuzz-", dir=quick_place()))
     keep.mkdir(parents=True, exist_ok=True)
-    n_bytes = int(given.bytes)
-    if given.child:
-        return child(given.child, n_bytes, given.inputs, given.seed, keep)
+    found = {}
+    if given.only is None or C_DECODER in given.only:
+        of = fuzz_c(C_BYTES, np.random.default_rng(given.seed))
+        names = ("inputs", "bytes", "faults", "told")
+        found[C_DECODER] = Tried(**{name: of[name] for name in names})
     with quick_folder() as folder:
-        names = [C_DECODER, *decoders_in(folder)]
-    results: dict[str, dict[str, Any]] = {}
-    for name in given.only or names:
-        begun_s = time.monotonic()
-        if name == C_DECODER:
-            found = fuzz_c(n_bytes, np.random.default_rng(given.seed))
-        else:
-            found = in_process(name, n_bytes, given.inputs, given.seed, keep)
-        print(
-            f"{name}: {found['bytes']:,} bytes in {found['inputs']:,} inputs, "
-            f"{found['faults']} faults, slowest {found['slowest_s']} s, "
-            f"peak {found['peak_mb']} MB, {time.monotonic() - begun_s:.0f} s",
-            flush=True,
-        )
-        for line in found["told"]:
-            print(f"  {line}", flush=True)
-        results[name] = found
+        decoders = [
+            decoder
+            for decoder in decoders_in(folder).values()
+            if given.only is None or decoder.name in given.only
+        ]
+        left = int(given.total) - sum(of.inputs for of in found.values())
+        found |= all_tried(decoders, left, given.inputs, given.seed, keep)
     if any(keep.iterdir()):
         print(f"inputs that made a fault are kept in {keep}")
     elif given.keep is None:
         keep.rmdir()
-    return told(figures_of(results))
+    return told(figures_of(found))
 
 
-def figures_of(found: dict[str, dict[str, Any]]) -> list[Figure]:
-    """Return the bytes and faults of every decoder as rows of the table."""
-    n_bytes = {name: int(of["bytes"]) for name, of in found.items()}
-    faults = sum(int(of["faults"]) for of in found.values())
+def figures_of(found: dict[str, Tried]) -> list[Figure]:
+    """Return the mutated files and faults of every decoder as rows of the table."""
+    faults = sum(of.faults for of in found.values())
     rows = [
         Figure(
-            f"fuzzed bytes, {name}: {of['inputs']:,} inputs, {of['faults']} faults",
-            f"{n_bytes[name]:,}",
-            f"{WANTED_BYTES:,}",
-            n_bytes[name] >= WANTED_BYTES and of["faults"] == 0,
+            f"mutated files, {name}: {of.bytes / 1e6:.1f} MB, {of.faults} faults",
+            f"{of.inputs:,}",
+            f"{WANTED_EACH:,}",
+            of.inputs >= WANTED_EACH and of.faults == 0,
         )
         for name, of in found.items()
     ]
-    least = min(n_bytes.values())
-    what = f"... least of {len(found)} decoders"
-    rows.append(Figure(what, f"{least:,}", f"{WANTED_BYTES:,}", least >= WANTED_BYTES))
+    total = sum(of.inputs for of in found.values())
+    what = f"... of all {len(found)} decoders"
+    rows.append(Figure(what, f"{total:,}", f"{WANTED:,}", total >= WANTED))
     return [*rows, Figure("... faults of all of them", str(faults), "0", faults == 0)]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from armodal.protocols.errors import ArmError
+from armodal.protocols.toml_reader import read_text
 
 __all__ = ["read_postures"]
 
@@ -20,23 +21,20 @@ def read_postures(path: Path, n_joints: int) -> list[list[float]]:
     ArmError
         If the file cannot be read, is empty or too long, or has other lines; some are named.
     """
-    try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise ArmError(f"{path}: wanted at most {_MOST_BYTES // 1_000_000} MB of postures")
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as problem:
-        raise ArmError(f"{path}: wanted a text file of postures, it cannot be read") from problem
+    text = read_text(path, what="postures", limit_bytes=_MOST_BYTES, error=ArmError)
+    if text.count("\n") > 2 * _MOST_LINES:  # some may be comments
+        raise ArmError(f"{path}: wanted 1 to {_MOST_LINES} lines of joint angles, got many more")
     found: list[list[float]] = []
     wrong: list[str] = []
-    for number, line in enumerate(lines, start=1):
-        text = line.split("#", 1)[0].strip()
-        if not text:
+    for number, line in enumerate(text.splitlines(), start=1):
+        own = line.split("#", 1)[0].strip()
+        if not own:
             continue
         try:
-            angles = [float(part) for part in text.split(",")]
+            angles = [float(part) for part in own.split(",")]
         except ValueError:
             if number > 1:
-                wrong.append(f"line {number}: {text[:40]!r}")
+                wrong.append(f"line {number}: {own[:40]!r}")
             continue
         if len(angles) != n_joints:
             wrong.append(f"line {number}: {len(angles)} numbers")

@@ -24,6 +24,9 @@ from armodal.analyzer.export.tree import Freedom, Tree, TreeBody
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.arm.urdf import parsed_with_comments
 from armodal.protocols.errors import ArmError
+from armodal.protocols.robot.mjcf import compiled_mjcf
+from armodal.protocols.robot.read import MOST_DESCRIPTION_BYTES
+from armodal.protocols.toml_reader import read_text
 
 __all__ = ["link_bodies", "patched_mjcf"]
 
@@ -51,7 +54,7 @@ def patched_mjcf(
         another order or place, includes other files from another folder, or uses a name that the
         corrections need; all of a kind are named.
     """
-    head, root, model = _read(source, mujoco)
+    head, root, model = _read(source)
     parents = {child: parent for parent in root.iter() for child in parent}
     elements = _link_elements(arm, root, parents, source)
     _refuse_loops(root, source)
@@ -81,7 +84,7 @@ def patched_mjcf(
     return head + ET.tostring(root, encoding="unicode") + "\n", tuple(_notes(arm, model, elements))
 
 
-def link_bodies(arm: Arm, source: Path, mujoco: Any) -> tuple[tuple[str, ...], str]:
+def link_bodies(arm: Arm, source: Path) -> tuple[tuple[str, ...], str]:
     """Return the body of each joint of the arm in a user's MJCF, and the one before the first.
 
     Raises
@@ -89,18 +92,15 @@ def link_bodies(arm: Arm, source: Path, mujoco: Any) -> tuple[tuple[str, ...], s
     ArmError
         As `patched_mjcf`.
     """
-    _, root, _ = _read(source, mujoco)
+    _, root, _ = _read(source)
     parents = {child: parent for parent in root.iter() for child in parent}
     elements = _link_elements(arm, root, parents, source)
     names = tuple(own.get("name", "") for own in elements)
     return names, parents[elements[0]].get("name", "world")
 
 
-def _read(source: Path, mujoco: Any) -> tuple[str, ET.Element, Any]:
-    try:
-        text = source.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as problem:
-        raise ArmError(f"{source}: wanted an MJCF file to read, it cannot be read") from problem
+def _read(source: Path) -> tuple[str, ET.Element, Any]:
+    text = read_text(source, what="MJCF", limit_bytes=MOST_DESCRIPTION_BYTES, error=ArmError)
     try:
         head, root = parsed_with_comments(text)
     except ArmError as problem:
@@ -110,8 +110,8 @@ def _read(source: Path, mujoco: Any) -> tuple[str, ET.Element, Any]:
             f"{source}: wanted an MJCF file, which begins with <mujoco>, got <{root.tag}>"
         )
     try:
-        model = mujoco.MjModel.from_xml_path(str(source))
-    except ValueError as problem:
+        _, model = compiled_mjcf(source)
+    except ArmError as problem:
         raise ArmError(
             f"{source}: wanted a model that MuJoCo loads, it does not; open it in MuJoCo's own "
             "viewer, which says why, and check that its meshes are there"

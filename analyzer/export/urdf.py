@@ -26,6 +26,8 @@ from armodal.analyzer.export.tree import Freedom, Tree, TreeBody
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.arm.urdf import parsed_with_comments, read_urdf
 from armodal.protocols.errors import ArmError
+from armodal.protocols.robot.read import MOST_DESCRIPTION_BYTES
+from armodal.protocols.toml_reader import read_text
 
 __all__ = ["patched_urdf", "urdf_text"]
 
@@ -87,10 +89,7 @@ def patched_urdf(arm: Arm, tree: Tree, source: Path | None) -> tuple[str, tuple[
     origin = "the arm file's URDF" if source is None else str(source)
     text = arm.urdf_text or ""
     if source is not None:
-        try:
-            text = source.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as problem:
-            raise ArmError(f"{source}: wanted a URDF to read, it cannot be read") from problem
+        text = read_text(source, what="URDF", limit_bytes=MOST_DESCRIPTION_BYTES, error=ArmError)
     head, root = parsed_with_comments(text)
     base = _base_of_same_arm(arm, text, origin)
     joints = {str(own.get("name")): own for own in root.findall("joint")}

@@ -12,16 +12,19 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.own_arm.mesh_parts import separated_parts
+from armodal.protocols.apart import MOST_S, apart, most_bytes_beside
 from armodal.protocols.errors import ArmError, MissingPackageError
 from armodal.protocols.robot.records import Shape
 
-__all__ = ["coal", "read_mesh", "shape_triangles"]
+__all__ = ["coal", "prepare", "read_mesh", "shape_triangles", "tried"]
 
 Array = npt.NDArray[np.float64]
 Triangles = npt.NDArray[np.int64]
 
 _ROUND = 24  # sides of a drawn cylinder: 1 % of its radius inside the true one
 _LARGEST_BYTES = 200 * 2**20
+_KINDS = (".stl", ".obj", ".dae", ".ply")  # the loader knows dozens, made for other things
+_BYTES_PER_S = 2e6
 _HEAD = 65536  # characters of a COLLADA file that hold its asset
 _UNIT = re.compile(r"<unit\b[^>]*?\bmeter\s*=\s*[\"']\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*[\"']")
 
@@ -68,18 +71,23 @@ def read_mesh(path: Path) -> tuple[Array, Triangles]:
     ArmError
         If the file cannot be read, or holds no triangles.
     """
-    library = coal()
-    try:
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise ArmError(f"mesh {path.name}: wanted at most {_LARGEST_BYTES} bytes, got more")
-        found = library.MeshLoader(library.BV_OBBRSS).load(str(path), np.ones(3))
-    except (ValueError, RuntimeError, OSError) as problem:
-        if isinstance(problem, ArmError):
-            raise
-        raise ArmError(
-            f"mesh {path.name}: wanted a mesh that can be read (STL, OBJ, DAE, PLY), got a broken "
-            "or empty one"
-        ) from problem
+    kind, name = path.suffix.lower(), f"mesh {path.name}"
+    if kind not in _KINDS:
+        raise ArmError(f"{name}: wanted STL, OBJ, DAE or PLY, got another kind; convert it")
+    if not path.is_file():
+        raise ArmError(f"{name}: wanted a file, found none; check the path")
+    size = path.stat().st_size
+    if size > _LARGEST_BYTES:
+        raise ArmError(f"{name}: wanted at most {_LARGEST_BYTES} bytes, got more")
+    if kind != ".stl":  # whose triangles stand one after the other
+        apart(
+            f"{__name__}:tried",
+            {"path": str(path)},
+            most_bytes=most_bytes_beside(size),
+            most_s=MOST_S + int(size / _BYTES_PER_S),
+            what=name,
+        )
+    found = _loaded(path)
     vertices = np.array(found.vertices(), dtype=np.float64).reshape(-1, 3)
     each = map(found.tri_indices, range(found.num_tris))
     triangles = np.array([(t[0], t[1], t[2]) for t in each], dtype=np.int64).reshape(-1, 3)
@@ -94,6 +102,28 @@ def read_mesh(path: Path) -> tuple[Array, Triangles]:
             "belong to none; export it as STL"
         )
     return vertices, untangled
+
+
+def prepare() -> None:
+    """Load the library, which takes memory of its own."""
+    coal()
+
+
+def tried(path: str) -> str:
+    """Load a mesh, and let go of it."""
+    _loaded(Path(path))
+    return ""
+
+
+def _loaded(path: Path) -> Any:
+    library = coal()
+    try:
+        return library.MeshLoader(library.BV_OBBRSS).load(str(path), np.ones(3))
+    except (ValueError, RuntimeError, OSError) as problem:
+        raise ArmError(
+            f"mesh {path.name}: wanted a mesh that can be read (STL, OBJ, DAE, PLY), got a broken "
+            "or empty one"
+        ) from problem
 
 
 def _unit_m(path: Path) -> float:

@@ -17,6 +17,7 @@ from armodal.protocols.toml_reader import read_text
 __all__ = ["gap_from_json", "gap_path", "gap_to_json", "read_gap"]
 
 _LIMIT = 16 * 1024 * 1024
+_MOST_VALUES = 200_000  # a fault of each would be told: half a kilobyte
 _ADAPTER: TypeAdapter[GapResult] = TypeAdapter(GapResult)
 
 
@@ -39,6 +40,8 @@ def gap_from_json(text: str, *, origin: str = "gap result") -> GapResult:
         With the path of the first value that does not fit.
     """
     advice = "; run `armodal gap` again"
+    if text.count(",") > _MOST_VALUES:
+        raise EstimateError(f"{origin}: wanted at most {_MOST_VALUES} values, got more{advice}")
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as problem:

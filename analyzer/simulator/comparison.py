@@ -98,7 +98,7 @@ def simulated_arm(arm: Arm, source: Path, mujoco: Any) -> SimulatedArm:
     """Return a user's MJCF with an arm's springs and effects in it."""
     tree = ready_for_export(arm).tree
     text, _ = patched_mjcf(arm, tree, source, source, mujoco)
-    bodies, before = link_bodies(arm, source, mujoco)
+    bodies, before = link_bodies(arm, source)
     model = mujoco.MjModel.from_xml_path(str(source))
     return SimulatedArm(
         arm=arm,

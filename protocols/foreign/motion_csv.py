@@ -9,13 +9,16 @@ Universal Robots' RTDE client records have names and units of their own (`motion
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.arm.records import Arm
+from armodal.protocols.bounds import most_decoded_bytes
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.motion_log import FEWEST_ROWS, MotionLog, check_motion
 from armodal.protocols.foreign.motion_rtde import TOOL_ACCELEROMETER, is_rtde, rtde_columns
@@ -28,6 +31,9 @@ Array = npt.NDArray[np.float64]
 _EVEN = 0.1  # of a period that a time may be off: the angles are differentiated twice
 _LIMIT = 500_000_000  # bytes
 _SHOWN = 24  # columns that are told of a faulty table
+_MOST_COLUMNS = 4096
+_MOST_BAD = 10_000  # rows, after which no more are looked for
+_AT_ONCE = 2**20  # characters whose numbers are read together
 _NAMED = 5  # faults of one kind that are told by row
 
 
@@ -46,18 +52,17 @@ def read_motion_csv(path: Path, arm: Arm, roles: Mapping[str, str] | None = None
         even, or a joint is where it cannot be; all faults of the columns, or of the rows, at once.
     """
     text = read_text(path, what="log of motion", limit_bytes=_LIMIT, error=ForeignFileError)
-    lines = text.splitlines()
-    spaced = bool(lines) and "," not in lines[0]
-    rows = [line.split() for line in lines] if spaced else list(csv.reader(lines))
-    rows = [row for row in rows if row]
-    names = [name.strip() for name in rows[0]] if rows else []
+    head, _, _ = text.partition("\n")
+    spaced = "," not in head
+    names = _names(path, head, spaced=spaced)
     scale = [1.0] * len(names)
     rtde = is_rtde(names)
     _check_roles(path, roles or {}, rtde=rtde)
     if rtde:
         names, scale = rtde_columns(names, arm, roles or {})
     _check_columns(path, names, arm, rtde=rtde)
-    values = _values(path, names, rows[1:]) * scale
+    values = _values(path, names, text, None if spaced else ",")
+    values *= scale
     column = dict(zip(names, values.T, strict=True))
     time = column["time_s"]
     step = float(np.median(np.diff(time)))
@@ -104,7 +109,7 @@ def _check_roles(path: Path, roles: Mapping[str, str], *, rtde: bool) -> None:
 
 def _check_columns(path: Path, names: list[str], arm: Arm, *, rtde: bool) -> None:
     faults = []
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, n in Counter(names).items() if n > 1)
     if twice:
         faults.append(f"each column once, got {', '.join(twice)} again")
     if "time_s" not in names:
@@ -133,23 +138,70 @@ def _check_columns(path: Path, names: list[str], arm: Arm, *, rtde: bool) -> Non
         )
 
 
-def _values(path: Path, names: list[str], rows: list[list[str]]) -> Array:
-    values = np.full((len(rows), len(names)), np.nan)
-    bad = []
-    for number, row in enumerate(rows):
-        try:
-            values[number] = [float(value) for value in row]
-        except ValueError:  # another number of values, or one that is none
-            bad.append(number + 2)
+def _names(path: Path, head: str, *, spaced: bool) -> list[str]:
+    try:
+        row = head.split() if spaced else next(csv.reader([head]))
+    except csv.Error:  # a name that is longer than any
+        row = []
+    if len(row) > _MOST_COLUMNS:
+        raise ForeignFileError(
+            f"{path.name}: wanted at most {_MOST_COLUMNS} columns, got {len(row)}; log the joints "
+            "and accelerometers alone"
+        )
+    return [name.strip() for name in row]
+
+
+def _values(path: Path, names: list[str], text: str, delimiter: str | None) -> Array:
+    """Return what stands below the names, (n_rows, n_columns)."""
+    most = most_decoded_bytes(len(text)) // (2 * 8)  # they are held twice for a while
+    rows = text.count("\n")
+    if rows * len(names) > most:
+        raise ForeignFileError(
+            f"{path.name}: wanted at most {most} numbers, got {rows} lines of {len(names)}; cut "
+            "the file to the part that is wanted"
+        )
+    values = np.full((rows, len(names)), np.nan)
+    bad: list[int] = []
+    n, at = 0, text.find("\n") + 1 or len(text)
+    while at < len(text):
+        end = text.find("\n", at + _AT_ONCE) + 1 or len(text)
+        lines = [line for line in text[at:end].splitlines() if line.strip()]
+        at = end
+        if not lines:
             continue
-        if not np.isfinite(values[number]).all():
-            bad.append(number + 2)
+        values[n : n + len(lines)] = _numbers(lines, len(names), delimiter)
+        finite = np.isfinite(values[n : n + len(lines)]).all(axis=1)
+        bad += (n + 2 + np.flatnonzero(~finite)[:_MOST_BAD]).tolist()
+        n += len(lines)
+        if len(bad) >= _MOST_BAD:
+            break
+    _check_rows(path, names, values[:n], bad)
+    return values[:n]
+
+
+def _numbers(lines: list[str], n: int, delimiter: str | None) -> Array:
+    """Return the numbers of some lines; a line with others, or that are none, is not a number."""
+    try:
+        found = np.loadtxt(lines, delimiter=delimiter, ndmin=2, quotechar='"', comments=None)
+    except ValueError:
+        found = np.empty((0, 0))
+    if found.shape == (len(lines), n):
+        return found
+    values = np.full((len(lines), n), np.nan)
+    for number, line in enumerate(lines):
+        with suppress(ValueError, csv.Error):  # another number of values, or one that is none
+            row = line.split() if delimiter is None else next(csv.reader([line]))
+            values[number] = [float(value) for value in row] if len(row) == n else np.nan
+    return values
+
+
+def _check_rows(path: Path, names: list[str], values: Array, bad: list[int]) -> None:
     faults = []
-    if len(rows) < FEWEST_ROWS:
-        faults.append(f"at least {FEWEST_ROWS} rows, got {len(rows)}")
+    if len(values) < FEWEST_ROWS and len(bad) < _MOST_BAD:
+        faults.append(f"at least {FEWEST_ROWS} rows, got {len(values)}")
     if bad:
         faults.append(f"{len(names)} finite numbers in every row, got others in {_lines(bad)}")
-    elif len(rows) > 1:
+    elif len(values) > 1:
         steps = np.diff(values[:, names.index("time_s")])
         step = float(np.median(steps))
         jumps = np.flatnonzero(np.abs(steps - step) > _EVEN * abs(step)) + 3
@@ -164,7 +216,6 @@ def _values(path: Path, names: list[str], rows: list[list[str]]) -> Array:
         raise ForeignFileError(
             f"{path.name}: wanted {'; '.join(faults)}; log anew, or cut the file to a part without"
         )
-    return values
 
 
 def _lines(numbers: list[int]) -> str:

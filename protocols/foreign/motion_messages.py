@@ -9,19 +9,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
+from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from armodal.protocols.apart import MOST_S, apart, most_bytes_beside
 from armodal.protocols.errors import ForeignFileError, MissingPackageError
 from armodal.protocols.foreign.motion_streams import Stream
 
-__all__ = ["streams_of"]
+__all__ = ["prepare", "stay_within_bounds", "streams_of", "tried"]
 
 _KINDS = ("JointState", "Imu", "AccelStamped")
 _MOST_BYTES = 2**30  # of a record, unpacked
+_BYTES_PER_S = 2e6  # of messages that are decoded one by one
 
 # Of a message: its topic, the time it was logged in ns, its kind, and itself.
 _Message = tuple[str, int, str, Any]
@@ -56,6 +60,39 @@ def streams_of(path: Path) -> list[Stream]:
         ) from error
     begun_ns = min((own[0][0] for own in rows.values()), default=0)
     return [_stream(path, topic, own, begun_ns) for topic, own in rows.items()]
+
+
+def stay_within_bounds(path: Path) -> None:
+    """Read a file in another process first: what is packed in it may be without end.
+
+    Raises
+    ------
+    MissingPackageError, ForeignFileError
+        As `streams_of`, or ForeignFileError if it takes more than it may.
+    """
+    parts = path.iterdir() if path.is_dir() else (path,)
+    size = sum(part.stat().st_size for part in parts)
+    apart(
+        f"{__name__}:tried",
+        {"path": str(path)},
+        most_bytes=most_bytes_beside(size),
+        most_s=MOST_S + int(size / _BYTES_PER_S),
+        what=path.name,
+        error=ForeignFileError,
+    )
+
+
+def prepare() -> None:
+    """Load the packages, which take memory of their own."""
+    for name in ("mcap.reader", "rosbags.highlevel", "rosbags.typesys"):
+        with suppress(ImportError):
+            import_module(name)
+
+
+def tried(path: str) -> str:
+    """Read a file as `streams_of`."""
+    streams_of(Path(path))
+    return ""
 
 
 def _stream(path: Path, topic: str, rows: list[_Row], begun_ns: int) -> Stream:

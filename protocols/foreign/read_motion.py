@@ -9,7 +9,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.motion_csv import read_motion_csv
 from armodal.protocols.foreign.motion_log import MotionLog
-from armodal.protocols.foreign.motion_messages import streams_of
+from armodal.protocols.foreign.motion_messages import stay_within_bounds, streams_of
 from armodal.protocols.foreign.motion_streams import log_of_streams
 
 __all__ = ["read_motion_log"]
@@ -37,5 +37,6 @@ def read_motion_log(path: Path, arm: Arm, roles: Mapping[str, str] | None = None
     if path.suffix in _BAGS or path.is_dir():
         if not path.exists():
             raise ForeignFileError(f"{path}: wanted a log of motion, found no such file")
+        stay_within_bounds(path)
         return log_of_streams(streams_of(path), path.name, arm, roles or {})
     return read_motion_csv(path, arm, roles)

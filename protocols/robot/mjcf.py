@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.protocols.errors import MissingPackageError
+from armodal.protocols.apart import apart, bytes_allowed
+from armodal.protocols.errors import ArmError, MissingPackageError
 from armodal.protocols.robot.records import Inertial, Robot, RobotJoint, RobotLink, Shape
 from armodal.protocols.robot.remarks import Remarks
 
-__all__ = ["read_mjcf"]
+__all__ = ["compiled_mjcf", "prepare", "read_mjcf", "tried"]
 
 Array = npt.NDArray[np.float64]
 
@@ -29,16 +31,9 @@ def read_mjcf(path: Path, said: Remarks) -> Robot | None:
         If MuJoCo is not installed.
     """
     try:
-        mujoco = import_module("mujoco")
-    except ImportError as problem:
-        raise MissingPackageError(
-            f"wanted the package mujoco-core for {path.name}, it is not installed; install it "
-            "with `pip install 'armodal[robots]'`"
-        ) from problem
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except (ValueError, RuntimeError, OSError) as problem:
-        said.fault("file", f"wanted an MJCF that compiles, got: {_short(problem)}")
+        mujoco, model = compiled_mjcf(path)
+    except ArmError as problem:
+        said.fault("file", str(problem))
         return None
     names = ["world" if i == 0 else model.body(i).name or f"body_{i}" for i in range(model.nbody)]
     if len(set(names)) < len(names):
@@ -46,6 +41,52 @@ def read_mjcf(path: Path, said: Remarks) -> Robot | None:
     links = {name: _link(mujoco, model, i, name) for i, name in enumerate(names)}
     joints = [_joint(mujoco, model, i, names, said) for i in range(1, model.nbody)]
     return Robot(name=path.stem, links=links, joints=tuple(joints))
+
+
+def compiled_mjcf(path: Path) -> tuple[Any, Any]:
+    """Return MuJoCo and the model of a file, once that has been seen to stay within bounds.
+
+    Raises
+    ------
+    MissingPackageError
+        If MuJoCo is not installed.
+    ArmError
+        If the file does not compile, or takes more than it may.
+    """
+    mujoco = _mujoco(path)
+    try:
+        text = path.read_text("utf-8", "replace")
+    except OSError as problem:
+        raise ArmError(f"{path.name}: wanted an MJCF, it cannot be read") from problem
+    where = f"{__name__}:tried"
+    if said := apart(where, {"path": str(path)}, most_bytes=bytes_allowed(text), what=path.name):
+        raise ArmError(said)
+    return mujoco, mujoco.MjModel.from_xml_path(str(path))
+
+
+def prepare() -> None:
+    """Load the package, which takes memory of its own."""
+    with suppress(ImportError):
+        import_module("mujoco")
+
+
+def tried(path: str) -> str:
+    """Return why a file does not compile; empty if it does."""
+    try:
+        _mujoco(Path(path)).MjModel.from_xml_path(path)
+    except (ValueError, RuntimeError, OSError, MemoryError) as problem:
+        return f"wanted an MJCF that compiles, got: {_short(problem) or type(problem).__name__}"
+    return ""
+
+
+def _mujoco(path: Path) -> Any:
+    try:
+        return import_module("mujoco")
+    except ImportError as problem:
+        raise MissingPackageError(
+            f"wanted the package mujoco-core for {path.name}, it is not installed; install it "
+            "with `pip install 'armodal[robots]'`"
+        ) from problem
 
 
 def _short(problem: Exception) -> str:

@@ -13,9 +13,9 @@ from armodal.protocols.robot.urdf_tree import read_tree
 from armodal.protocols.robot.xacro_text import expand_xacro
 from armodal.protocols.toml_reader import read_text
 
-__all__ = ["read_robot"]
+__all__ = ["MOST_DESCRIPTION_BYTES", "read_robot"]
 
-_LIMIT = 16 * 2**20
+MOST_DESCRIPTION_BYTES = 16 * 2**20
 _KINDS = ".urdf, .xacro or .xml (MJCF)"
 
 
@@ -47,7 +47,9 @@ def read_robot(
     MissingPackageError
         If the file's kind needs a package that is not installed.
     """
-    text = read_text(path, what="robot description", limit_bytes=_LIMIT, error=ArmError)
+    text = read_text(
+        path, what="robot description", limit_bytes=MOST_DESCRIPTION_BYTES, error=ArmError
+    )
     if path.suffix.lower() == ".xacro":
         try:
             text = expand_xacro(path, folders=folders, arguments=dict(arguments or {}))

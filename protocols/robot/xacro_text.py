@@ -1,4 +1,4 @@
-"""Xacro to URDF, by xacrodoc, where it is installed."""
+"""Xacro to URDF, by xacrodoc, where it is installed, in a process of its own."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import io
 import re
 import warnings
 from collections.abc import Sequence
-from contextlib import redirect_stderr
+from contextlib import redirect_stderr, suppress
 from importlib import import_module
 from pathlib import Path
 
+from armodal.protocols.apart import apart, bytes_allowed
 from armodal.protocols.errors import ArmError, MissingPackageError
 
-__all__ = ["expand_xacro"]
+__all__ = ["expand_xacro", "expanded", "prepare"]
 
 _LONGEST = 300
 _ERRNO = re.compile(r"\[Errno -?\d+\] ?")
@@ -39,6 +40,27 @@ def expand_xacro(
     ArmError
         If the file cannot be expanded.
     """
+    found = [] if arguments is None else sorted(arguments.items())
+    return apart(
+        f"{__name__}:expanded",
+        {"path": str(path), "folders": [str(folder) for folder in folders], "arguments": found},
+        most_bytes=bytes_allowed(path.read_text("utf-8", "replace")),
+        what=path.name,
+    )
+
+
+def prepare() -> None:
+    """Load the package, which takes memory of its own."""
+    with suppress(ImportError):
+        import_module("xacrodoc")
+
+
+def expanded(path: str, folders: list[str], arguments: list[list[str]]) -> str:
+    """Expand in this process; as `expand_xacro`."""
+    return _expanded(Path(path), folders, {own[0]: own[1] for own in arguments})
+
+
+def _expanded(path: Path, folders: list[str], arguments: dict[str, str]) -> str:
     try:
         xacrodoc = import_module("xacrodoc")
         packages = import_module("xacrodoc.packages")
@@ -49,7 +71,7 @@ def expand_xacro(
         ) from problem
     packages.reset()
     if folders:
-        packages.look_in([str(folder) for folder in folders])
+        packages.look_in(folders)
     beside: dict[str, str] = {}
     for folder in list(path.resolve().parents)[:_HIGHEST]:
         for one in _packages_in(folder):
@@ -64,7 +86,7 @@ def expand_xacro(
             document = xacrodoc.XacroDoc.from_includes(
                 [str(path.resolve())],
                 name=_robot_name(path),
-                subargs=_of_root(path) | (arguments or {}),
+                subargs=_of_root(path) | arguments,
                 resolve_packages=False,
             )
             return str(document.to_urdf_string())
@@ -73,7 +95,7 @@ def expand_xacro(
         raise ArmError(
             f"{path.name}: wanted a xacro file that can be expanded, got: {text}; packages it "
             "includes are looked for beside its folders, and in those given with --packages"
-            f"{_unset(path, arguments or {})}"
+            f"{_unset(path, arguments)}"
         ) from problem
     finally:
         packages.reset()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 import pytest
+import support.bombs_of_others  # noqa: F401 - adds to them
 from support.bombs import BOMBS, SLOW_TO_MAKE, SLOW_TO_READ
 from support.bounded import decode_bounded, wrong_with
 

@@ -9,21 +9,20 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from support.fault_runs import PLAN
+from support.accepted_hits import quick_folder
+from support.fault_runs import PLAN, shipped_arm
 from support.virtual_lab import VirtualLab
 
 from armodal.daq.acquisition import run_acquisition
 from armodal.daq.events import Failed, Finished, HitJudged
 from armodal.daq.settings import AcquisitionSettings
 from armodal.hil_sim.faults import Fault
-from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError
 from armodal.protocols.file_layer import Disk
 from armodal.protocols.plan import plan_from_text
@@ -112,6 +111,8 @@ OF_LAB = (
     "board-reboot at a blow",
     str(Fault.CLOCK_JUMP),
     "stale angles",
+    "overload",
+    "missing calibration",
 )
 KINDS = (*(f.__name__ for f in ON_FILES), *ON_DISK, *IN_TIME, *OF_LAB)
 
@@ -184,14 +185,17 @@ def disturbed_session(seed: int) -> Disturbed:
     """Run a small session that is disturbed once, resumed where it ends; kinds go in turn."""
     rng = np.random.default_rng([seed, 0xAD])
     kind = KINDS[seed % len(KINDS)]
-    arm = load_arm("rv4frl")
+    arm = shipped_arm()
     plan = plan_from_text(PLAN, arm)
-    with tempfile.TemporaryDirectory() as folder:
+    with quick_folder() as folder:
         root = Path(folder)
         (root / "data").mkdir()
         (root / "mirror").mkdir()
         faults, at_blows = _script(kind, rng)
-        lab = VirtualLab(plan, root, seed=seed, faults=faults, at_blows=at_blows)
+        calibrated = kind != "missing calibration"
+        lab = VirtualLab(
+            plan, root, seed=seed, faults=faults, at_blows=at_blows, calibrated=calibrated
+        )
         settings = AcquisitionSettings(
             board_port="board", can_channel="can", arm=arm, plan=plan,
             journal=root / "data" / "session.journal", session_id="a" * 16,
@@ -229,6 +233,11 @@ def _script(kind: str, rng: np.random.Generator) -> tuple[tuple[str, ...], tuple
         return (), ((int(rng.integers(1, 5)), str(Fault.BOARD_REBOOT), after, 0),)
     if kind == "stale angles":
         return (f"{Fault.CAN_SILENCE}@{int(rng.integers(0, 6000))}+2000",), ()
+    if kind == "overload":
+        blow, after = int(rng.integers(1, 5)), int(rng.integers(-64, 256))
+        return (), ((blow, str(Fault.CHANNEL_CLIPPED), after, int(rng.integers(16, 4000))),)
+    if kind == "missing calibration":
+        return (), ()
     if kind in OF_LAB:
         return (f"{kind}@{int(rng.integers(0, 6000))}",), ()
     return (), ()

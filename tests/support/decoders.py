@@ -25,6 +25,7 @@ from support.fuzz_files import (
     read_manifest,
 )
 from support.fuzz_lines import board_stream, bus_decoder, decode_board, mutate_frames, slcan_lines
+from support.more_decoders import more_decoders, mutation
 from support.mutate import mutated, mutated_text
 
 from armodal.protocols.arm.files import arm_from_texts, load_arm
@@ -165,6 +166,10 @@ def make_decoders(folder, journal, session: Session, frfs, uff_files):
             (session_path.read_bytes(),),
             FileDecoder(folder, "s.h5", read_all_of),
             mutate_hdf5,
+        ),
+        *(
+            Decoder(name, seeds, decode, mutation(kind))
+            for name, seeds, decode, kind in more_decoders(folder, journal, small)
         ),
     ]
     return {decoder.name: decoder for decoder in found}

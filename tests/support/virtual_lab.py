@@ -162,8 +162,9 @@ class VirtualLab:
     """Everything of a session that is not the acquisition itself."""
 
     def __init__(
-        self, plan, directory, *, seed, faults, at_blows=(), block_capacity=BLOCK_CAPACITY
-    ):
+        self, plan, directory, *, seed, faults, at_blows=(), block_capacity=BLOCK_CAPACITY,
+        calibrated=True,
+    ):  # fmt: skip
         self.plan = plan
         self.behind_s = 0.0  # by which the computer slept while the laboratory went on
         self.wall_s = 1000.0
@@ -180,6 +181,12 @@ class VirtualLab:
             directory / "ledger.jsonl", build_plant(truth), seed=seed, time_scale=1.0
         )
         self.dictionary = replace(board_dictionary(truth), block_capacity=block_capacity)
+        if not calibrated:
+            channels = tuple(
+                replace(channel, calibration_date="", serial_number="", teds=b"")
+                for channel in self.dictionary.channels
+            )
+            self.dictionary = replace(self.dictionary, channels=channels)
         self.firmware = BoardFirmware(
             self.dictionary,
             session=int(self.rng.integers(1, 1 << 32)),

@@ -32,9 +32,10 @@ _ROTOR = 0.3
 # Of the rotor on its servo: from hardly damped to critical, as loops of a position are tuned.
 _DAMPING_RATIO = 0.5
 _MATERIAL = 0.05  # servo compliance over the joint's
-# Its part of the joint's compliance and its rotor, of what is typical, where a fit may begin: of no
-# size at all it changes nothing.
-_PARTS, _ROTORS = (0.1, 0.3), (0.5, 1.5, 3.0)
+# Its part of the joint's compliance, its rotor and its lag, of what is typical, where a fit may
+# begin: of no size at all it changes nothing, and a loop whose delay outweighs its damping is on
+# the other side of one that damps.
+_PARTS, _ROTORS, _LAGS = (0.2,), (0.5, 1.5, 3.0), (1.0, -0.2)
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -73,7 +74,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.stretched_by[joint] = own
 
         moment = carried_moment(ordinary, i)
-        # Of c/k, with stiffness and rotor as they typically are.
+        # Of c/k, with stiffness and rotor as they typically are. What a loop's delay takes from it
+        # may be more than it has.
         lag = 2.0 * _DAMPING_RATIO * float(np.sqrt(gamma * _ROTOR * moment))
 
         def starts(
@@ -81,6 +83,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             joint: str = joint,
             soft: str = soft,
             inertia: str = inertia,
+            loss: str = loss,
+            lag: float = lag,
             typical: float = _ROTOR * moment,
         ) -> Sequence[Mapping[str, float]]:
             """Leave the joint as soft as it was."""
@@ -90,10 +94,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     **values,
                     soft: float(part * np.exp(-ln_k)),
                     inertia: turns * typical,
+                    loss: part_of_lag * lag,
                     f"ln k {joint}": ln_k - float(np.log(1.0 - part)),
                 }
                 for part in _PARTS
                 for turns in _ROTORS
+                for part_of_lag in _LAGS
             ]
 
         found.append(
@@ -102,7 +108,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 place=joint,
                 parameters=(
                     Parameter(name=soft, unit="rad/(N m)", mean=0.0, std=gamma, low=0.0),
-                    Parameter(name=loss, unit="s", mean=lag, std=lag, low=0.0),
+                    Parameter(name=loss, unit="s", mean=lag, std=lag, low=-lag),
                     Parameter(
                         name=inertia,
                         unit="kg m²",

@@ -1,4 +1,4 @@
-"""A servo of no size is none: the look from its own beginnings finds the joint it is behind."""
+"""A servo of no size is none: a look from its own beginnings finds the joint it is behind."""
 
 from dataclasses import replace
 

@@ -13,7 +13,17 @@ from armodal import analyzer
 ROOT = Path(__file__).parents[3]
 GAP = Path(analyzer.__file__).parent / "gap"
 FILES = [GAP / "model" / "priors.py", *sorted((GAP / "effects").glob("*.py"))]
-OF_A_SEARCH = {"_STEP", "_STEPS", "_ROUNDS", "_PARTS", "_ROTORS", "_WRIST_FROM", "_UP", "FLOOR"}
+OF_A_SEARCH = {
+    "_STEP",
+    "_STEPS",
+    "_ROUNDS",
+    "_PARTS",
+    "_ROTORS",
+    "_LAGS",
+    "_WRIST_FROM",
+    "_UP",
+    "FLOOR",
+}
 
 
 def numbers(node):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 from support.robot_files import box_stl
@@ -108,3 +110,16 @@ DAE = """<?xml version="1.0"?>
 </visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no such files")
+def test_what_is_no_file_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.stl")
+    with pytest.raises(ArmError, match="wanted a file"):
+        read_mesh(tmp_path / "pipe.stl")
+
+
+def test_a_mesh_of_another_kind_is_refused(tmp_path):
+    (tmp_path / "a.gltf").write_text("{}", encoding="utf-8")
+    with pytest.raises(ArmError, match="wanted STL, OBJ, DAE or PLY"):
+        read_mesh(tmp_path / "a.gltf")

@@ -79,7 +79,7 @@ def test_an_effect_without_a_counterpart_leaves_nothing_behind(tmp_path):
         (("--from", "mine.xml"), "wanted --from with --mjcf or --urdf only"),
         (("--sdf", "a.sdf", "--from", "mine.sdf"), "got --sdf"),
         (("--mjcf", "a.xml", "--urdf", "a.urdf", "--from", "mine.xml"), "of which mine.xml is one"),
-        (("--mjcf", "a.xml", "--from", "mine.xml"), "it cannot be read"),
+        (("--mjcf", "a.xml", "--from", "mine.xml"), "wanted a readable file, found none"),
     ],
 )
 def test_a_user_s_mistake_is_one_message(arguments, message):
