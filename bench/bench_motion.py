@@ -17,7 +17,7 @@ from support.ideal_maker import LOSS_S, Ideal
 from support.maker_log import arm_of, move_log, with_axis
 from support.own_mjcf import own_mjcf
 
-from armodal.analyzer.simulator.motion import beside_motion
+from armodal.analyzer.simulator.motion import compare_with_motion
 from armodal.hil_sim.makers.arms import ARMS
 
 LOSS = 1e-4
@@ -44,7 +44,7 @@ def main() -> None:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / "mine.xml"
                 path.write_text(own_mjcf(arm), encoding="utf-8")
-                (row,) = beside_motion(log, arm, corrected, path, mujoco, lambda _: None)
+                (row,) = compare_with_motion(log, arm, corrected, path, mujoco, lambda _: None)
             print(
                 f"{name}, log {what}: plain arm {100 * row.error_before:.1f} % off, corrected arm "
                 f"{100 * row.error_after:.1f} %"

@@ -26,8 +26,8 @@ from armodal.analyzer.export.exported import BELOW_HZ, ready_for_export
 from armodal.analyzer.export.mjcf_patch import patched_mjcf
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
 from armodal.analyzer.planning.made import made_plan
-from armodal.analyzer.simulator.beside import beside_simulator
-from armodal.analyzer.simulator.motion import beside_motion
+from armodal.analyzer.simulator.comparison import compare_with_simulator
+from armodal.analyzer.simulator.motion import compare_with_motion
 from armodal.hil_sim.plant import build_plant
 from armodal.hil_sim.plant_file import PlantFile
 from armodal.hil_sim.study.of_file import with_file_effects
@@ -77,7 +77,7 @@ def main() -> None:
         tip = next(p.id for p in arm.points if p.link == arm.joints[-1].link.name)
         for name, own in (("the corrected arm's", corrected), ("the plain arm's", arm)):
             log = linear_log(own, middle, point=tip)
-            (row,) = beside_motion(log, arm, corrected, source, mujoco, lambda _: None)
+            (row,) = compare_with_motion(log, arm, corrected, source, mujoco, lambda _: None)
             print(
                 f"a log, {name}: plain arm {100 * row.error_before:.1f} % off, corrected arm "
                 f"{100 * row.error_after:.1f} %"
@@ -112,7 +112,7 @@ def hit_by_plan(draft, source: Path) -> None:
         tables = with_file_effects(own_tables | {"effects": []}, made, 1)
         plant = build_plant(PlantFile.model_validate(tables))
         session = simulate_session(1, plan=plan, arm=arm, plant=plant, hits_per_point=1)
-        for row in beside_simulator(session, arm, corrected, source, mujoco, lambda _: None):
+        for row in compare_with_simulator(session, arm, corrected, source, mujoco, lambda _: None):
             print(
                 f"hits, {name}, {row.posture}{', validation' if row.validation else ''}: plain arm "
                 f"{100 * row.error_before:.1f} % off, corrected arm {100 * row.error_after:.1f} %, "

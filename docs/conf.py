@@ -36,7 +36,7 @@ myst_heading_anchors = 4
 # Notebooks are run at every build: a cell that fails is an error.
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # a guard against hanging: how long a cell takes says nothing under load
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # numpydoc's sections tell shapes and units

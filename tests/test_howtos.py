@@ -19,9 +19,10 @@ LONGEST = 60  # lines of a file, for somebody who adds his first
 FOUND = {
     "add-a-command": "from armodal.tui.cli import command_modules; print(*command_modules())",
     "add-a-screen": """
+from armodal.tui.screens.home.choice import home_choices
 from armodal.tui.screens.review.pane import review_panes
 from armodal.tui.screens.run.operator_screen import operator_screens
-print(*review_panes(), *operator_screens())""",
+print(*review_panes(), *operator_screens(), *home_choices())""",
     "add-an-arm": """
 from armodal.protocols.arm.files import shipped_arms
 from armodal.protocols.plan import shipped_plans
@@ -45,6 +46,7 @@ OF_ALL = {
     "add-a-screen": (
         "tests/tui/screens/review/test_pane.py",
         "tests/tui/screens/run/test_operator_screen.py",
+        "tests/tui/screens/home/test_choice.py",
     ),
     "add-an-arm": (
         "tests/protocols/test_plan.py",

@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["chosen_together"]
+__all__ = ["best_along_path"]
 
 Array = npt.NDArray[np.float64]
 
 _STRAY = 1e-6  # of a compliance, that the way from the given posture costs: of equals the nearest
 
 
-def chosen_together(
+def best_along_path(
     joints_rad: Array, along_n_per_m: Array, angle_rad: Array, step_rad: float, limit_rad: Array
 ) -> npt.NDArray[np.intp]:
     """Return the sample of every pose.

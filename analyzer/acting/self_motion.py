@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.acting.along_path import chosen_together
+from armodal.analyzer.acting.along_path import best_along_path
 from armodal.analyzer.acting.stiffness import ToolStiffness, tool_stiffness
 from armodal.analyzer.corrected.batch import BatchedArm
 from armodal.analyzer.workspace.batch import ArmBatch
@@ -81,7 +81,7 @@ def stiffest_angle(
     poses = np.arange(len(q))
     best = q[poses, stiffest]
     limit = np.abs(np.diff(given.joints_rad, axis=0)).max(axis=1, initial=_SLOWEST_RAD)
-    chain = chosen_together(q, along, angle, STEP_RAD, limit + _ROUNDING)
+    chain = best_along_path(q, along, angle, STEP_RAD, limit + _ROUNDING)
     used = there.any(axis=0)
     return FreeAngle(
         angle_rad=angle[used],

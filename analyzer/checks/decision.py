@@ -20,7 +20,7 @@ __all__ = [
     "CONTINUOUS_BAR",
     "RIVAL_WITHIN",
     "Decision",
-    "and_besides",
+    "combined_finding",
     "decide",
 ]
 
@@ -121,7 +121,7 @@ def decide(
     )
 
 
-def and_besides(
+def combined_finding(
     first: Finding, second: Finding, measured: tuple[str, ...], undone: Candidate
 ) -> Finding:
     """What is said of a fault together with what is left once it is undone."""

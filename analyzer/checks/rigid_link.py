@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.checks.candidates import Candidate, discrete, relaxed
-from armodal.analyzer.checks.decision import and_besides, decide
+from armodal.analyzer.checks.decision import combined_finding, decide
 from armodal.analyzer.checks.records import Finding
 from armodal.analyzer.checks.rigid_design import RigidDesign
 from armodal.analyzer.checks.rigid_statistics import (
@@ -106,7 +106,7 @@ def rigid_link(
         )
         where = tuple(design.points[i] for i in h.rows)
         rest = rigid_link(posture, measured, undone, design, errors, sat_at=where)
-        finding = and_besides(finding, rest.finding, measured, first)
+        finding = combined_finding(finding, rest.finding, measured, first)
         per_dof = min(per_dof, rest.residual_per_dof)
     return RigidLinkResult(
         finding=finding,

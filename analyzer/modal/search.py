@@ -14,7 +14,7 @@ from armodal.analyzer.modal.drift import settle_drift
 from armodal.analyzer.modal.peaks import peak_poles, standing_peaks, unexplained
 from armodal.analyzer.modal.plscf import Stabilisation, poles_plscf
 from armodal.analyzer.modal.regression import NO_POLES, ModalData, modal_data
-from armodal.analyzer.modal.second_look import left_over_poles, split_poles
+from armodal.analyzer.modal.residual_poles import residual_poles, split_poles
 from armodal.analyzer.modal.selection import (
     Selection,
     keep_modes,
@@ -147,7 +147,7 @@ def _settled(problem: Problem, data: ModalData, chosen: Selection) -> tuple[Moda
 def _looked_again(problem: Problem, data: ModalData, chosen: Selection) -> Selection:
     """Choose again with the poles that the misfit holds, until it holds none that are needed."""
     for _ in range(_MOST_ROUNDS):
-        found, seen = left_over_poles(
+        found, seen = residual_poles(
             data,
             chosen.fit,
             problem.freq_hz,

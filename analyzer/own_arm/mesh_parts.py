@@ -12,12 +12,12 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["parts_untangled"]
+__all__ = ["separated_parts"]
 
 Triangles = npt.NDArray[np.int64]
 
 
-def parts_untangled(n_vertices: int, triangles: Triangles) -> Triangles | None:
+def separated_parts(n_vertices: int, triangles: Triangles) -> Triangles | None:
     """The triangles with their corners numbered through the whole file.
 
     Parameters

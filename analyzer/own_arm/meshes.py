@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.own_arm.mesh_parts import parts_untangled
+from armodal.analyzer.own_arm.mesh_parts import separated_parts
 from armodal.protocols.apart import MOST_S, apart, most_bytes_beside
 from armodal.protocols.errors import ArmError, MissingPackageError
 from armodal.protocols.robot.records import Shape
@@ -95,7 +95,7 @@ def read_mesh(path: Path) -> tuple[Array, Triangles]:
         raise ArmError(
             f"mesh {path.name}: wanted triangles round a body, got {len(triangles)} triangles"
         )
-    untangled = parts_untangled(len(vertices), triangles)
+    untangled = separated_parts(len(vertices), triangles)
     if untangled is None:
         raise ArmError(
             f"mesh {path.name}: wanted parts whose triangles can be told apart, got vertices that "

@@ -22,9 +22,9 @@ __all__ = [
     "HitChoice",
     "PostureModes",
     "best_hits",
-    "joints_shown",
+    "observable_joints",
+    "observing_points",
     "posture_modes",
-    "seeing_points",
 ]
 
 Array = npt.NDArray[np.float64]
@@ -133,7 +133,7 @@ def best_hits(
     return sorted(choices, key=merit_of, reverse=True)
 
 
-def seeing_points(
+def observing_points(
     planned: PlannedArm, own: Equations, modes: PostureModes, mode: int
 ) -> tuple[str, ...]:
     """Points that move at least a fifth as far in a mode as the one that moves most."""
@@ -149,7 +149,7 @@ def _moving(planned: PlannedArm) -> list[int]:
     return [i for i, link in enumerate(planned.superset.point_link) if link >= 0]
 
 
-def joints_shown(
+def observable_joints(
     elastic: ElasticJoints, modes: PostureModes, joints: Sequence[int], hit: HitChoice
 ) -> tuple[int, ...]:
     """Of some joints, those whose own mode a hit excites and no other excited mode hides.

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.planning.selective import SelectivePlan
 
-__all__ = ["fewer_points", "motions_shown"]
+__all__ = ["fewer_points", "observable_motions"]
 
 Array = npt.NDArray[np.float64]
 
@@ -50,7 +50,7 @@ def fewer_points(
 
     def shown(test: int, link: str, without: str | None = None) -> int:
         left = [arm.point(p).position_m for p in kept[test] if on[p] == link and p != without]
-        return motions_shown(left, sizes[link])
+        return observable_motions(left, sizes[link])
 
     def adds_nothing(test: int, point: str) -> bool:
         return shown(test, on[point], point) == shown(test, on[point])
@@ -72,7 +72,7 @@ def fewer_points(
     return [tuple(measured) for measured in kept]
 
 
-def motions_shown(positions_m: Sequence[Array], size_m: float) -> int:
+def observable_motions(positions_m: Sequence[Array], size_m: float) -> int:
     """How many of a rigid body's six motions triaxial sensors at these places show.
 
     Parameters

@@ -14,9 +14,9 @@ from armodal.analyzer.planning.excitation import (
     HitChoice,
     PostureModes,
     best_hits,
-    joints_shown,
+    observable_joints,
+    observing_points,
     posture_modes,
-    seeing_points,
 )
 from armodal.analyzer.planning.expected import Instruments, expected_std, information
 from armodal.analyzer.planning.room import Room
@@ -227,7 +227,7 @@ def describe_tests(
     modes = posture_modes(at)
     number = elastic.joints.index(target)
     mode = modes.mode_of(number)
-    points = seeing_points(planned, at, modes, mode)
+    points = observing_points(planned, at, modes, mode)
     gravity = _gravity(planned, at, joints_rad)
     separable = tuple(elastic.joints[i] for i in separable_set(modes.mass, number))
     own = [
@@ -240,7 +240,7 @@ def describe_tests(
         PlannedTest(
             joints_rad=joints_rad,
             target=target,
-            serves=joints_shown(elastic, modes, own, hit),
+            serves=observable_joints(elastic, modes, own, hit),
             separable=separable,
             coupling=coupling_ratios(modes.mass[..., None])[number, :, 0],
             modes=modes,

@@ -18,11 +18,11 @@ from armodal.analyzer.report.stiffness_rows import Stiffness, stiffness_rows
 from armodal.analyzer.report.words import plus_minus
 from armodal.protocols.session.records import Session
 
-__all__ = ["FirstPage", "Foretold", "first_page"]
+__all__ = ["FirstPage", "PredictedMode", "first_page"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Foretold:
+class PredictedMode:
     """A mode of a posture kept for validation: computed and measured."""
 
     posture: str
@@ -46,7 +46,7 @@ class FirstPage:
     arm_posture: str
     stiffness: tuple[Stiffness, ...]
     stiffness_of_gap: bool
-    foretold: tuple[Foretold, ...]
+    foretold: tuple[PredictedMode, ...]
     checks: tuple[CheckRow, ...]
     next: tuple[str, ...]
 
@@ -112,16 +112,18 @@ def _marked(
     return tuple(axes), tuple(places)
 
 
-def _foretold(result: Identification, gap: GapResult | None) -> tuple[Foretold, ...]:
+def _foretold(result: Identification, gap: GapResult | None) -> tuple[PredictedMode, ...]:
     if gap is not None:
         rows = gap.gap_after or gap.gap_before
         return tuple(
-            Foretold(posture=row.posture, predicted_hz=m.model_hz, measured_hz=m.measured_hz)
+            PredictedMode(posture=row.posture, predicted_hz=m.model_hz, measured_hz=m.measured_hz)
             for row in rows
             if row.held_out
             for m in row.modes
         )
     return tuple(
-        Foretold(posture=row.posture, predicted_hz=row.predicted_hz, measured_hz=row.measured_hz)
+        PredictedMode(
+            posture=row.posture, predicted_hz=row.predicted_hz, measured_hz=row.measured_hz
+        )
         for row in result.validation
     )

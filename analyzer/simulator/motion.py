@@ -20,14 +20,14 @@ import scipy.interpolate
 
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.export.exported import BELOW_HZ
-from armodal.analyzer.simulator.beside import simulated_arm
+from armodal.analyzer.simulator.comparison import simulated_arm
 from armodal.analyzer.simulator.encoder_noise import read_by_noise
 from armodal.analyzer.simulator.in_time import HELD, SimulatedArm, standing_model
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError, EstimateError
 from armodal.protocols.foreign.motion_log import MotionLog
 
-__all__ = ["FOLLOWS", "PointBeside", "beside_motion"]
+__all__ = ["FOLLOWS", "PointComparison", "compare_with_motion"]
 
 Array = npt.NDArray[np.float64]
 
@@ -40,7 +40,7 @@ _SETTLED = 2.0  # periods of the band's low end that filters and start take, at 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PointBeside:
+class PointComparison:
     """An accelerometer on a trajectory: measured, and in the simulator with each of two arms."""
 
     point: str
@@ -55,14 +55,14 @@ class PointBeside:
     after_m_s2: Array
 
 
-def beside_motion(
+def compare_with_motion(
     log: MotionLog,
     plain: Arm,
     corrected: Arm,
     source: Path,
     mujoco: Any,
     tell: Callable[[str], None],
-) -> tuple[PointBeside, ...]:
+) -> tuple[PointComparison, ...]:
     """Move the user's MJCF along a log, with the plain and the corrected arm.
 
     Raises
@@ -98,7 +98,7 @@ def beside_motion(
         )
         axis = int(np.argmax(np.linalg.norm(before - own, axis=0)))
         rows.append(
-            PointBeside(
+            PointComparison(
                 point=point,
                 error_before=float(np.linalg.norm(before - own)) / size,
                 error_after=float(np.linalg.norm(after - own)) / size,

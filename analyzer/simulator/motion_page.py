@@ -12,7 +12,7 @@ import scipy
 from plotly.subplots import make_subplots
 
 from armodal.analyzer.report.policy import under_policy
-from armodal.analyzer.simulator.motion import PointBeside
+from armodal.analyzer.simulator.motion import PointComparison
 
 __all__ = ["motion_figure", "motion_page"]
 
@@ -22,7 +22,7 @@ _PERIODS = 6.0  # of the band's low end that are shown in time, about the larges
 _SEGMENTS = 8.0  # of the log, whose spectra are averaged
 
 
-def motion_figure(row: PointBeside) -> Any:
+def motion_figure(row: PointComparison) -> Any:
     """Return a reading where it is largest; by frequency, it and what each arm is off it."""
     figure = make_subplots(rows=2, cols=1, vertical_spacing=0.16)
     measured = row.measured_m_s2
@@ -61,7 +61,7 @@ def motion_figure(row: PointBeside) -> Any:
     return figure
 
 
-def _density(values: Array, row: PointBeside) -> tuple[Array, Array]:
+def _density(values: Array, row: PointComparison) -> tuple[Array, Array]:
     """Root of the spectral density in the band."""
     rate_hz = 1.0 / float(row.time_s[1] - row.time_s[0])
     f_hz, square = scipy.signal.welch(values, rate_hz, nperseg=int(2 * len(values) / _SEGMENTS))
@@ -69,7 +69,7 @@ def _density(values: Array, row: PointBeside) -> tuple[Array, Array]:
     return f_hz[inside], np.sqrt(square[inside])
 
 
-def motion_page(name: str, rows: Sequence[PointBeside], words: Sequence[str]) -> str:
+def motion_page(name: str, rows: Sequence[PointComparison], words: Sequence[str]) -> str:
     """Return a self-contained page."""
     body = "\n".join(
         motion_figure(row).to_html(full_html=False, include_plotlyjs=number == 0)

@@ -9,7 +9,7 @@ import numpy as np
 from rich.table import Table
 
 from armodal.analyzer.export.by_mujoco import load_mujoco
-from armodal.analyzer.simulator.motion import FOLLOWS, PointBeside, beside_motion
+from armodal.analyzer.simulator.motion import FOLLOWS, PointComparison, compare_with_motion
 from armodal.analyzer.simulator.motion_page import motion_page
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ForeignFileError
@@ -53,7 +53,7 @@ def show_motion(
         said.append(text)
         say(text)
 
-    rows = beside_motion(log, plain, corrected, model, load_mujoco(), tell)
+    rows = compare_with_motion(log, plain, corrected, model, load_mujoco(), tell)
     follows = [text for text in said if text.startswith(FOLLOWS)]
     notes = [*follows, *_notes(log, follows_commands=bool(follows)), *_unmoved(rows)]
     if html is not None:
@@ -87,7 +87,7 @@ def show_motion(
     say_next("export ARM --mjcf OUT --from YOURS", "writes the corrected model")
 
 
-def _unmoved(rows: Sequence[PointBeside]) -> list[str]:
+def _unmoved(rows: Sequence[PointComparison]) -> list[str]:
     return [
         f"the drives' motion makes the sensor at point {row.point} read {100 * row.moved:.0f} % of "
         "what it reads: the arm stands, or something else shakes it"

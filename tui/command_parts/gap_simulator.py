@@ -12,7 +12,7 @@ from rich.table import Table
 
 from armodal.analyzer.export.by_mujoco import load_mujoco
 from armodal.analyzer.report.policy import under_policy
-from armodal.analyzer.simulator.beside import PostureBeside, beside_simulator
+from armodal.analyzer.simulator.comparison import PostureComparison, compare_with_simulator
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError, SessionError
@@ -53,7 +53,9 @@ def show_simulator(
         own = measured.header.arm
         show_motion(own, corrected, model, motion, topics, html, as_json=as_json)
         return
-    rows = beside_simulator(measured, measured.header.arm, corrected, model, load_mujoco(), say)
+    rows = compare_with_simulator(
+        measured, measured.header.arm, corrected, model, load_mujoco(), say
+    )
     if html is not None:
         replace_text(html, _page(corrected.name, rows))
     if as_json:
@@ -107,7 +109,7 @@ def _wanted(
     return session, model, corrected
 
 
-def _json(row: PostureBeside) -> dict[str, object]:
+def _json(row: PostureComparison) -> dict[str, object]:
     return {
         "posture": row.posture,
         "validation": row.validation,
@@ -117,7 +119,7 @@ def _json(row: PostureBeside) -> dict[str, object]:
     }
 
 
-def _page(name: str, rows: tuple[PostureBeside, ...]) -> str:
+def _page(name: str, rows: tuple[PostureComparison, ...]) -> str:
     """The response that moves most in each posture."""
     pictures = []
     for number, row in enumerate(rows):

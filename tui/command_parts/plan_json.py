@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from armodal.analyzer.planning.beside import Beside
+from armodal.analyzer.planning.compared_plan import ComparedPlan
 from armodal.analyzer.planning.made import MadePlan
 from armodal.analyzer.planning.selective import SelectivePlan
 
 __all__ = ["made_json", "plan_json"]
 
 
-def plan_json(plan: SelectivePlan, beside: Beside | None = None) -> dict[str, Any]:
+def plan_json(plan: SelectivePlan, beside: ComparedPlan | None = None) -> dict[str, Any]:
     """The tests as plain values."""
     arm, elastic = plan.arm, plan.elastic
     names = [joint.name for joint in arm.joints]

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
-from armodal.analyzer.planning.beside import Beside
+from armodal.analyzer.planning.compared_plan import ComparedPlan
 from armodal.analyzer.planning.made import MadePlan
 from armodal.analyzer.planning.selective import PlannedTest, SelectivePlan
 
@@ -17,7 +17,9 @@ Array = npt.NDArray[np.float64]
 SEEN = 1.0  # relative: a k no better known than to its own size is not seen
 
 
-def plan_tables(plan: SelectivePlan, beside: Beside | None, inertia_std: Array) -> list[Table]:
+def plan_tables(
+    plan: SelectivePlan, beside: ComparedPlan | None, inertia_std: Array
+) -> list[Table]:
     """The tests as tables for people."""
     return [
         _selective(plan, beside),
@@ -28,7 +30,7 @@ def plan_tables(plan: SelectivePlan, beside: Beside | None, inertia_std: Array) 
     ]
 
 
-def _selective(plan: SelectivePlan, beside: Beside | None) -> Table:
+def _selective(plan: SelectivePlan, beside: ComparedPlan | None) -> Table:
     names = [joint.name for joint in plan.arm.joints]
     table = Table(title="Most selective posture of each joint: largest M_ij/M_ii")
     for column in ("joint", "posture deg", "found"):

@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from armodal.analyzer.own_arm.of_arm import checked_bodies
-from armodal.analyzer.planning.beside import other_plan
+from armodal.analyzer.planning.compared_plan import plan_to_compare
 from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.made import made_plan
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
@@ -56,7 +56,7 @@ def plan_command(
     """
     the_arm = load_arm(arm)
     planned = planned_arm(the_arm)
-    other = other_plan(planned, beside)
+    other = plan_to_compare(planned, beside)
     home = ARMS_DIRECTORY if arm in shipped_arms() else Path(arm).parent
     made = made_plan(
         the_arm,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.chain_arm import chain_arm
 
-from armodal.analyzer.acting.along_path import chosen_together
+from armodal.analyzer.acting.along_path import best_along_path
 from armodal.analyzer.acting.self_motion import STEP_RAD, stiffest_angle
 from armodal.analyzer.corrected.batch import batched
 
@@ -25,7 +25,7 @@ def test_no_chain_within_the_limits_has_a_lower_sum_of_compliances(seed):
     along = rng.uniform(1.0, 9.0, (p, m))
     along[2, 4] = np.nan
     limit = np.full(p - 1, 0.5)
-    chosen = chosen_together(joints, along, step * np.arange(-2, 3), step, limit)
+    chosen = best_along_path(joints, along, step * np.arange(-2, 3), step, limit)
     sums = {}
     for chain in itertools.product(range(m), repeat=p):
         q = joints[range(p), chain]

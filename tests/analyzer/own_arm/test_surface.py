@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.robot_files import box_stl
 
-from armodal.analyzer.own_arm.mesh_parts import parts_untangled
+from armodal.analyzer.own_arm.mesh_parts import separated_parts
 from armodal.analyzer.own_arm.meshes import read_mesh, shape_triangles
 from armodal.analyzer.own_arm.surface import Surface, filling
 from armodal.protocols.errors import ArmError
@@ -81,9 +81,9 @@ def test_a_file_of_two_materials_is_read_as_its_two_bodies(tmp_path):
 def test_a_part_that_repeats_its_first_triangle_is_still_one_part():
     part = np.array([[0, 1, 2], [0, 1, 2], [0, 2, 3], [3, 1, 0]])
     right = np.concatenate([part, part + 4])
-    np.testing.assert_array_equal(parts_untangled(8, np.concatenate([part, part])), right)
-    np.testing.assert_array_equal(parts_untangled(8, right), right)
-    assert parts_untangled(9, np.concatenate([part, part])) is None
+    np.testing.assert_array_equal(separated_parts(8, np.concatenate([part, part])), right)
+    np.testing.assert_array_equal(separated_parts(8, right), right)
+    assert separated_parts(9, np.concatenate([part, part])) is None
 
 
 @pytest.mark.parametrize("content", [b"", b"solid a\nfacet", b"\0" * 84])

@@ -12,7 +12,7 @@ from armodal.analyzer.own_arm.collisions import Collisions
 from armodal.analyzer.own_arm.draft import Wanted, draft_arm
 from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.equipment import chosen_equipment
-from armodal.analyzer.planning.fewer_points import motions_shown
+from armodal.analyzer.planning.fewer_points import observable_motions
 from armodal.analyzer.planning.made import made_plan
 from armodal.analyzer.workspace.batch import ArmBatch
 from armodal.analyzer.workspace.postures import random_postures
@@ -187,7 +187,7 @@ def test_a_plan_that_cannot_be_so_short_is_refused_with_the_minutes_it_takes(dra
     ],
 )
 def test_six_motions_are_shown_by_three_points_off_one_line(places, motions):
-    assert motions_shown([np.array(place, dtype=float) for place in places], 1.0) == motions
+    assert observable_motions([np.array(place, dtype=float) for place in places], 1.0) == motions
 
 
 def test_a_room_without_a_free_posture_is_told_with_what_meets(draft):

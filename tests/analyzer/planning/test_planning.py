@@ -12,9 +12,9 @@ from armodal.analyzer.planning.excitation import (
     HitChoice,
     PostureModes,
     best_hits,
-    joints_shown,
+    observable_joints,
+    observing_points,
     posture_modes,
-    seeing_points,
 )
 from armodal.analyzer.planning.expected import Instruments, expected_std, information
 from armodal.analyzer.planning.selective import describe_tests, plan_tests
@@ -164,7 +164,7 @@ def test_a_hit_serves_the_joints_whose_own_modes_show_apart(neighbour_hz, share,
     two = ElasticJoints(
         joints=(1, 3), stiffness_n_m_per_rad=np.ones(2), damping_n_m_s_per_rad=np.ones(2)
     )
-    assert joints_shown(two, modes, [1, 3], hit) == served
+    assert observable_joints(two, modes, [1, 3], hit) == served
 
 
 def test_shares_of_a_mode_sum_to_one_and_name_the_joint(planned, elastic):
@@ -185,7 +185,7 @@ def test_the_paper_s_lateral_hit_is_found_for_joint_1(planned, elastic):
 def test_points_that_see_a_mode_move_and_the_base_does_not(planned, elastic):
     at = planned.at(np.deg2rad(PAPER_DEG[0]))
     modes = posture_modes(at)
-    points = seeing_points(planned, at, modes, modes.mode_of(0))
+    points = observing_points(planned, at, modes, modes.mode_of(0))
     assert "1" in points
     assert "10" not in points
 

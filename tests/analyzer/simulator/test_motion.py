@@ -10,10 +10,10 @@ from support.linear_log import linear_log
 from support.own_mjcf import own_mjcf
 from support.robot_files import box_stl
 
-from armodal.analyzer.simulator.beside import simulated_arm
+from armodal.analyzer.simulator.comparison import simulated_arm
 from armodal.analyzer.simulator.encoder_noise import read_by_noise
 from armodal.analyzer.simulator.in_time import standing_model
-from armodal.analyzer.simulator.motion import FOLLOWS, beside_motion
+from armodal.analyzer.simulator.motion import FOLLOWS, compare_with_motion
 from armodal.analyzer.simulator.motion_page import motion_figure, motion_page
 from armodal.protocols.arm.kinematics import link_pose
 from armodal.protocols.errors import ArmError, EstimateError
@@ -39,7 +39,7 @@ def model(arm, tmp_path_factory):
 def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, model):
     corrected = with_effects(arm, axis("shoulder"))
     true, null = (
-        beside_motion(logged(own), arm, corrected, model, mujoco, lambda _: None)[0]
+        compare_with_motion(logged(own), arm, corrected, model, mujoco, lambda _: None)[0]
         for own in (corrected, arm)
     )
     # Gravity turns in the simulated sensor: 2 % of the rigid motion at the band's low end.
@@ -52,7 +52,7 @@ def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, model):
 def test_a_page_shows_measured_plain_and_corrected_in_time_and_by_frequency(arm, model):
     corrected = with_effects(arm, axis("shoulder"))
     log = logged(corrected)
-    (row,) = beside_motion(log, arm, corrected, model, mujoco, lambda _: None)
+    (row,) = compare_with_motion(log, arm, corrected, model, mujoco, lambda _: None)
     assert len(row.time_s) == len(row.measured_m_s2) == len(row.before_m_s2)
     off = row.after_m_s2 - row.measured_m_s2
     assert np.linalg.norm(off) < 0.02 * np.linalg.norm(row.measured_m_s2)
@@ -76,15 +76,15 @@ def test_a_log_of_other_joints_or_points_is_refused(arm, model):
     other = replace(arm, name="other", points=arm.points[1:])
     log = logged(arm, seconds=1.0)
     with pytest.raises(ArmError, match="without points 1; give"):
-        beside_motion(log, other, arm, model, mujoco, lambda _: None)
+        compare_with_motion(log, other, arm, model, mujoco, lambda _: None)
 
 
 def test_a_short_or_slow_log_is_refused(arm, model):
     log = logged(arm, seconds=1.0)
     with pytest.raises(EstimateError, match="wanted a log of at least"):
-        beside_motion(log, arm, arm, model, mujoco, lambda _: None)
+        compare_with_motion(log, arm, arm, model, mujoco, lambda _: None)
     with pytest.raises(EstimateError, match="rows a second"):
-        beside_motion(
+        compare_with_motion(
             replace(log, rate_hz=20.0, slowest_hz=20.0), arm, arm, model, mujoco, lambda _: None
         )
 
@@ -98,10 +98,10 @@ def test_drives_follow_commands_where_encoders_are_too_noisy_and_without_them_it
     noisy = replace(log, encoder_rad=log.encoder_rad + noise)
     said = []
     with pytest.raises(EstimateError, match="more than they are noisy"):
-        beside_motion(noisy, arm, corrected, model, mujoco, said.append)
+        compare_with_motion(noisy, arm, corrected, model, mujoco, said.append)
     assert said == []
     commanded = replace(noisy, command_rad=log.encoder_rad)
-    (row,) = beside_motion(commanded, arm, corrected, model, mujoco, said.append)
+    (row,) = compare_with_motion(commanded, arm, corrected, model, mujoco, said.append)
     assert said[0].startswith(FOLLOWS)
     assert row.error_after < 0.02
     assert row.moved == pytest.approx(1.0, abs=0.02)

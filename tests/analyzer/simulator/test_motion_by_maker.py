@@ -6,7 +6,7 @@ from support.ideal_maker import LOSS_S, Ideal
 from support.maker_log import arm_of, move_log, with_axis
 from support.own_mjcf import own_mjcf
 
-from armodal.analyzer.simulator.motion import beside_motion
+from armodal.analyzer.simulator.motion import compare_with_motion
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -30,7 +30,7 @@ def test_a_true_effect_closes_the_gap_on_a_far_move_and_a_null_s_opens_it(true, 
     )
     path = tmp_path / "mine.xml"
     path.write_text(own_mjcf(arm), encoding="utf-8")
-    (row,) = beside_motion(log, arm, corrected, path, mujoco, lambda _: None)
+    (row,) = compare_with_motion(log, arm, corrected, path, mujoco, lambda _: None)
     right, wrong = row.error_after, row.error_before
     if not true:
         right, wrong = wrong, right

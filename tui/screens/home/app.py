@@ -14,18 +14,14 @@ from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from armodal.tui.screens.every_action import every_action
-from armodal.tui.screens.home.devices import Devices
-from armodal.tui.screens.home.found_sessions import FoundSession, find_sessions, new_journal
-from armodal.tui.screens.home.new_session import NewSession
-from armodal.tui.screens.home.own_arm import DescriptionOfArm
+from armodal.tui.screens.home.choice import HomeParts, home_choices
+from armodal.tui.screens.home.found_sessions import FoundSession, find_sessions
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.printable_app import PrintableApp
 from armodal.tui.screens.themes import register_themes
-from armodal.tui.screens.wishes import Demonstrate, Look, Measure, OwnArm, Wish
+from armodal.tui.screens.wishes import Look, Measure, Wish
 
 __all__ = ["HomeApp"]
-
-DEMO = "demo"
 
 
 class HomeApp(PrintableApp[Wish]):
@@ -55,12 +51,11 @@ class HomeApp(PrintableApp[Wish]):
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("enter", "open", "open", show=True, priority=False),
-        Binding("n", "new", "new session"),
         Binding("r", "resume", "resume"),
-        Binding("d", "demo", "demo"),
-        Binding("s", "simulate", "try it simulated"),
-        Binding("v", "devices", "devices"),
-        Binding("o", "own_arm", "own arm", show=False),
+        *(
+            Binding(one.key, f"choose('{name}')", one.label, show=one.in_key_line)
+            for name, one in home_choices().items()
+        ),
         Binding("q", "quit", "leave"),
     ]
 
@@ -98,16 +93,11 @@ class HomeApp(PrintableApp[Wish]):
         if not self._found:
             choices.add_option(Option("no session in this folder yet", disabled=True))
         choices.add_option(None)
-        if self._measures:
-            choices.add_options(
-                [
-                    Option("n  new session: your arm or a shipped one", id="new"),
-                    Option("s  try it: hit a simulated arm yourself", id="simulate"),
-                    Option("d  demo: watch a whole test in the simulated laboratory", id="demo"),
-                    Option("v  devices: what is plugged in", id="devices"),
-                ]
-            )
-        choices.add_option(Option("o  own arm: make its file from a URDF, xacro or MJCF", id="own"))
+        choices.add_options(
+            Option(f"{one.key}  {one.words}", id=name)
+            for name, one in home_choices().items()
+            if self._measures or not one.measures
+        )
         choices.add_option(Option("q  leave", id="leave"))
         choices.focus()
         choices.action_first()
@@ -127,15 +117,10 @@ class HomeApp(PrintableApp[Wish]):
         name = event.option.id or ""
         if name.startswith("session-"):
             self._open(self._found[int(name.removeprefix("session-"))])
-            return
-        {
-            "new": self.action_new,
-            "simulate": self.action_simulate,
-            "demo": self.action_demo,
-            "devices": self.action_devices,
-            "own": self.action_own_arm,
-            "leave": self.exit,
-        }[name]()
+        elif name == "leave":
+            self.exit()
+        else:
+            self.action_choose(name)
 
     def _open(self, one: FoundSession) -> None:
         if one.path.suffix == ".journal":
@@ -167,38 +152,18 @@ class HomeApp(PrintableApp[Wish]):
         else:
             self.notify("every session here is finished: Enter looks at one, n begins a new one")
 
-    def action_new(self) -> None:
-        """Ask what a new session is begun with."""
-        self._ask(simulated=False)
-
-    def action_simulate(self) -> None:
-        """The same in the simulated laboratory."""
-        self._ask(simulated=True)
-
-    def _ask(self, *, simulated: bool) -> None:
-        asks = NewSession(new_journal(self._folder), simulated=simulated, arm=self._arm_made)
-        self.push_screen(asks, self._wished)
-
-    def _wished(self, wish: Measure | OwnArm | None) -> None:
-        if wish is not None:
-            self.exit(wish)
-
-    def action_own_arm(self) -> None:
-        """Ask for the robot description that an arm file is made of."""
-        self.push_screen(DescriptionOfArm(self._folder), self._wished)
-
-    def action_demo(self) -> None:
-        """Watch a whole test."""
-        self.exit(Demonstrate(folder=self._folder / DEMO))
-
-    def action_devices(self) -> None:
-        """Say what is plugged in."""
-        self.push_screen(Devices(self._ports()))
+    def action_choose(self, name: str) -> None:
+        """Begin what a line of the list says."""
+        parts = HomeParts(app=self, folder=self._folder, ports=self._ports, arm_made=self._arm_made)
+        home_choices()[name].chosen(parts)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Offer to measure only where devices run."""
-        del parameters
-        return self._measures or action not in {"new", "simulate", "demo", "devices", "resume"}
+        if self._measures:
+            return True
+        return action != "resume" and not (
+            action == "choose" and home_choices()[str(parameters[0])].measures
+        )
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """Textual's commands and every key."""

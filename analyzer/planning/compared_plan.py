@@ -14,13 +14,13 @@ from armodal.protocols.errors import PlanError
 from armodal.protocols.plan import load_plan, shipped_plans
 from armodal.protocols.plan_records import Plan
 
-__all__ = ["Beside", "other_plan"]
+__all__ = ["ComparedPlan", "plan_to_compare"]
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Beside:
+class ComparedPlan:
     """For each elastic joint the least coupled posture of another plan."""
 
     name: str
@@ -28,7 +28,7 @@ class Beside:
     least_coupling: Array  # (n,)
 
 
-def other_plan(planned: PlannedArm, source: str | None) -> Beside | None:
+def plan_to_compare(planned: PlannedArm, source: str | None) -> ComparedPlan | None:
     """The plan to set beside: the one named, else this arm's shipped one of most postures.
 
     Raises
@@ -43,7 +43,7 @@ def other_plan(planned: PlannedArm, source: str | None) -> Beside | None:
     postures = np.stack([posture.joints_rad for posture in plan.postures])
     worst = worst_coupling(planned.joint_mass(postures))
     best = worst.argmin(axis=1)
-    return Beside(
+    return ComparedPlan(
         name=plan.name,
         postures=tuple(plan.postures[i].name for i in best),
         least_coupling=worst.min(axis=1),

@@ -18,7 +18,7 @@ from armodal.analyzer.modal.noise import smooth_lines
 from armodal.analyzer.modal.plscf import poles_plscf
 from armodal.analyzer.modal.regression import ModalData, Regression, misfit
 
-__all__ = ["left_over_poles", "split_poles"]
+__all__ = ["residual_poles", "split_poles"]
 
 _LEAST_SHARE = 0.05  # of the FRFs' weighted amplitude that the misfit must be: a visible mode
 _LEAST_RATIO = 1.5  # of the misfit over its median
@@ -82,7 +82,7 @@ def split_poles(
     """Poles to try one at a time beside modes that leave a misfit at their own frequency.
 
     A resonance narrower than a line, as the lines s = decay + j w see it, is not split: two poles
-    between the same two lines cannot be told from one. Parameters are those of `left_over_poles`.
+    between the same two lines cannot be told from one. Parameters are those of `residual_poles`.
     """
     left = misfit(data, fit)
     power = np.mean(data.row_weight[:, None] * data.weight * np.abs(left) ** 2, axis=0)
@@ -100,7 +100,7 @@ def split_poles(
     return found
 
 
-def left_over_poles(
+def residual_poles(
     data: ModalData,
     fit: Regression,
     freq_hz: npt.NDArray[np.float64],

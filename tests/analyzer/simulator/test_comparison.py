@@ -8,7 +8,7 @@ from support.added import axis, with_effects
 from support.offline_lab import first_postures, simulate_session
 from support.own_mjcf import own_mjcf
 
-from armodal.analyzer.simulator.beside import beside_simulator
+from armodal.analyzer.simulator.comparison import compare_with_simulator
 from armodal.analyzer.simulator.in_time import first_hits
 from armodal.hil_sim.study import make_case
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
@@ -36,12 +36,12 @@ def test_the_simulator_s_own_records_are_met_by_the_arm_that_made_them(few_hits,
     model.write_text(own_mjcf(plain), encoding="utf-8")
     # With one arm twice, what differs from the measurement is the same.
     told = []
-    rows = beside_simulator(few_hits, plain, plain, model, mujoco, told.append)
+    rows = compare_with_simulator(few_hits, plain, plain, model, mujoco, told.append)
     assert [row.error_before for row in rows] == [row.error_after for row in rows]
     assert len(rows) == 2
     assert "hits on the corrected arm, in time" in told
     # The case hides nothing: beside it a wrong axis is worse.
-    worse = beside_simulator(few_hits, plain, corrected, model, mujoco, told.append)
+    worse = compare_with_simulator(few_hits, plain, corrected, model, mujoco, told.append)
     assert all(row.error_after > row.error_before for row in worse)
 
 
@@ -61,7 +61,7 @@ def test_the_accelerometers_mass_rides_on_the_point_that_it_is_mounted_at(arm, t
     model = tmp_path / "mine.xml"
     model.write_text(own_mjcf(arm), encoding="utf-8")
     right, wrong = (
-        beside_simulator(own, arm, arm, model, mujoco, lambda _: None)[0].error_after
+        compare_with_simulator(own, arm, arm, model, mujoco, lambda _: None)[0].error_after
         for own in (session, light)
     )
     assert right < 0.25  # crooked mountings, gains and aim of the laboratory

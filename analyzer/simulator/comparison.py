@@ -21,7 +21,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 
-__all__ = ["PostureBeside", "beside_simulator", "simulated_arm"]
+__all__ = ["PostureComparison", "compare_with_simulator", "simulated_arm"]
 
 Array = npt.NDArray[np.float64]
 
@@ -29,7 +29,7 @@ _ABOVE = 1.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PostureBeside:
+class PostureComparison:
     """One posture: measured, and in the simulator with each of two arms."""
 
     posture: str
@@ -42,14 +42,14 @@ class PostureBeside:
     after: FrequencyResponse
 
 
-def beside_simulator(
+def compare_with_simulator(
     session: Session,
     plain: Arm,
     corrected: Arm,
     source: Path,
     mujoco: Any,
     tell: Callable[[str], None],
-) -> tuple[PostureBeside, ...]:
+) -> tuple[PostureComparison, ...]:
     """Simulate a session's hits in the user's MJCF with the plain and the corrected arm.
 
     Both arms are put into the same file, so that they differ by the corrections alone.
@@ -69,7 +69,7 @@ def beside_simulator(
     held_out = {p.name for p in session.header.plan.postures if p.validation}
     top_hz = _ABOVE * _highest(corrected, measured)
     return tuple(
-        PostureBeside(
+        PostureComparison(
             posture=own.posture,
             validation=own.posture in held_out,
             error_before=_error(own, before, top_hz),
