@@ -43,6 +43,7 @@ WANTED_EACH = 5000
 C_BYTES = 50_000_000
 MEMORY_BOUND = 1536 * 2**20  # of the whole process, the libraries (0.3 GB) counted in
 HANGS_AFTER_S = 120.0  # far beyond the slowest input on a busy machine
+WATCHED_AT_ONCE = 100  # inputs
 SLOW_S = 2.0  # of processor time on one input
 MOST_FAULTS = 10
 MARGIN = 1.05  # so that a second turn is enough
@@ -84,11 +85,11 @@ def fuzz(
     ) and tried.faults < MOST_FAULTS:
         data = decoder.mutate(decoder.seeds[rng.integers(len(decoder.seeds))], rng, decoder.seeds)
         at_hand.write_bytes(data)  # there still if the process dies of it
-        faulthandler.dump_traceback_later(HANGS_AFTER_S, exit=True)
+        if tried.inputs % WATCHED_AT_ONCE == 0:  # a watchdog is a thread: it takes its time
+            faulthandler.dump_traceback_later(HANGS_AFTER_S, exit=True)
         begun_s = time.process_time()
         wrong = check(decoder, data)
         took_s = time.process_time() - begun_s
-        faulthandler.cancel_dump_traceback_later()
         tried.slowest_s = max(tried.slowest_s, took_s)
         if wrong is None and took_s > SLOW_S:
             wrong = f"took {took_s:.1f} s"
@@ -99,6 +100,7 @@ def fuzz(
             name = f"{at_hand.stem}.fault-{hashlib.sha1(data, usedforsecurity=False).hexdigest()}"
             at_hand.with_name(name).write_bytes(data)
             tried.told.append(wrong[:300])
+    faulthandler.cancel_dump_traceback_later()
     at_hand.unlink(missing_ok=True)
     tried.cpu_s = time.process_time() - all_s
     tried.peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024

@@ -47,6 +47,7 @@ from armodal.protocols.session.journal import load_journal
 
 WIDTH, HEIGHT = 160, 45
 REDRAWS_PER_S = 12.0
+LONGEST_BEGIN_S = 300.0  # of processes that wait for a core
 
 
 def busy() -> None:
@@ -81,7 +82,7 @@ class Screen(App[None]):
             self.stopping = True
         while self.finished is None and self.ours.poll(0):
             self.hear(self.ours.recv())
-        if self.preview is not None:
+        if self.preview is not None and self.finished is None:  # else the screen is going
             self.query_one(Static).update(picture(self.preview, self.redraws))
             self.redraws += 1
 
@@ -116,7 +117,7 @@ def picture(preview: Preview, turn: int) -> str:
 
 async def watch(screen: Screen, seconds: float) -> None:
     async with screen.run_test(size=(WIDTH, HEIGHT)):
-        deadline_s = time.monotonic() + seconds + 120.0
+        deadline_s = time.monotonic() + seconds + LONGEST_BEGIN_S
         while screen.finished is None and time.monotonic() < deadline_s:
             await asyncio.sleep(0.05)
 

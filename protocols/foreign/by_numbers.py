@@ -184,7 +184,7 @@ def _is_pulse(values: npt.NDArray[np.float64]) -> bool:
     A record begins before the hit: what is largest at its first value is no pulse, but an FRF
     that drift has blown up near 0 Hz.
     """
-    if int(np.argmax(np.abs(values))) == 0:
+    if not len(values) or int(np.argmax(np.abs(values))) == 0:
         return False
     high, low = float(np.max(values)), -float(np.min(values))
     return max(high, low) > _PULSE_SIDES * max(min(high, low), 0.0)

@@ -21,6 +21,7 @@ from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.rattlesnake import is_rattlesnake, rattlesnake_variables
 from armodal.protocols.foreign.roles import split_unit
 from armodal.protocols.foreign.variables import Listed, Variable, Variables
+from armodal.protocols.hdf5_heap import has_endless_heap
 
 __all__ = ["hdf5_variables"]
 
@@ -47,6 +48,8 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
     """
     origin = path.name
     try:
+        if has_endless_heap(path):
+            raise OSError("a heap without end")
         with h5py.File(path, "r", locking="best-effort") as file:
             reader = _Reader(file, origin, most_decoded_bytes(path.stat().st_size))
             part = reader.part()

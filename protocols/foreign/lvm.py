@@ -68,7 +68,8 @@ def lvm_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
         stop = ends[i + 2] if i + 2 < len(ends) else len(lines)
         where = origin if len(sections) == 1 else f"{origin}: section {i + 1}"
         rows = lines[section.names_at + 1 : stop]
-        parts.append(_section(section, lines[section.names_at], rows, separator, decimal, where))
+        names = lines[section.names_at] if section.names_at < len(lines) else ""
+        parts.append(_section(section, names, rows, separator, decimal, where))
     return tuple(parts)
 
 

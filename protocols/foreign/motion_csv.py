@@ -165,7 +165,7 @@ def _values(path: Path, names: list[str], text: str, delimiter: str | None) -> A
     n, at = 0, text.find("\n") + 1 or len(text)
     while at < len(text):
         end = text.find("\n", at + _AT_ONCE) + 1 or len(text)
-        lines = [line for line in text[at:end].splitlines() if line.strip()]
+        lines = [line for line in text[at:end].split("\n") if line.strip()]
         at = end
         if not lines:
             continue

@@ -66,6 +66,10 @@ def wav_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
         )
     frame = layout.channels * layout.bits // 8
     n = len(samples) // frame
+    if not n:
+        raise ForeignFileError(
+            f"{origin}: wanted a sound file with samples, got none; save it again"
+        )
     if n * layout.channels > MOST_NUMBERS:
         raise ForeignFileError(
             f"{origin}: wanted at most {MOST_NUMBERS} samples, got {n * layout.channels}; split "

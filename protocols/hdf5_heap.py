@@ -1,0 +1,58 @@
+"""Global heaps of an HDF5 file, looked at before HDF5 reads texts of variable length from them.
+
+A heap is a chain of objects: index, count, four bytes of nothing, size (u16, u16, u64, little
+endian), and the object. Where the chain has a step of no length, HDF5 goes round in it for ever.
+
+References
+----------
+HDF5 File Format Specification, version 3.0, III.E "Disk Format: Level 1E - Global Heap".
+"""
+
+from __future__ import annotations
+
+import mmap
+import struct
+from pathlib import Path
+
+__all__ = ["has_endless_heap"]
+
+_SIGN = b"GCOL\x01"
+_HEAD = struct.Struct("<8xQ")  # sign, version and nothing; size of the collection
+_OBJECT = struct.Struct("<HHIQ")
+_ALIGNED = 8
+
+
+def has_endless_heap(path: Path) -> bool:
+    """Whether a file has a heap whose chain of objects comes to no end.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    """
+    with path.open("rb") as file:
+        if not path.stat().st_size:
+            return False
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+            at = data.find(_SIGN)
+            while at >= 0:
+                if _is_endless(data, at):
+                    return True
+                at = data.find(_SIGN, at + 1)
+    return False
+
+
+def _is_endless(data: mmap.mmap, begin: int) -> bool:
+    if begin + _HEAD.size > len(data):
+        return False
+    (size,) = _HEAD.unpack_from(data, begin)
+    end = min(begin + size, len(data))
+    at = begin + _HEAD.size
+    while at + _OBJECT.size <= end:
+        index, _, _, length = _OBJECT.unpack_from(data, at)
+        # What is free is as long as it says; an object is longer by its head, and aligned.
+        step = length if index == 0 else _OBJECT.size + -(-length // _ALIGNED) * _ALIGNED
+        if step % 2**64 == 0:
+            return True
+        at += step
+    return False
