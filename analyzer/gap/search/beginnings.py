@@ -20,8 +20,8 @@ __all__ = ["promising_beginnings"]
 
 def promising_beginnings(
     stage: Stage, about: Fit, instances: Sequence[Instance]
-) -> list[tuple[float, Instance, Mapping[str, float]]]:
-    """Return each instance's best beginning and the cost it promises to take off, best first.
+) -> list[tuple[Instance, list[tuple[float, Mapping[str, float]]]]]:
+    """Return each instance with its beginnings and the cost each promises to take off, best first.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def promising_beginnings(
         Those without beginnings of their own, and laws of joints, are left out.
     """
     present = about.hypothesis
-    found: list[tuple[float, Instance, Mapping[str, float]]] = []
+    found: list[tuple[Instance, list[tuple[float, Mapping[str, float]]]]] = []
     for instance in instances:
         if instance.initial_values is None or instance.law is not None:
             continue
@@ -46,6 +46,5 @@ def promising_beginnings(
                 continue
             promised.append((about.cost - there.cost + there.promised, begin))
         if promised:
-            gain, begin = max(promised, key=lambda entry: entry[0])
-            found.append((gain, instance, begin))
-    return sorted(found, key=lambda entry: -entry[0])
+            found.append((instance, sorted(promised, key=lambda entry: -entry[0])))
+    return sorted(found, key=lambda entry: -entry[1][0][0])

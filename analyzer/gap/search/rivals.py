@@ -205,16 +205,20 @@ def _far(
 def _from_beginnings(
     stages: Sequence[Stage], base: Fit, without: Collection[tuple[str, str]]
 ) -> list[Fit]:
-    """Some steps, on middle and on sharp lines, of what only its own beginnings tell."""
+    """Fits on middle lines, begun on sharp ones, of what only its own beginnings tell."""
     middle, sharp = stages
     instances = [i for i in others_beside(base) if i.key not in without]
     looked = promising_beginnings(middle, base, instances)
-    fits: list[Fit] = []
-    for _, instance, begin in [entry for entry in looked[:_LEADING] if entry[0] > LOOK]:
+    near: list[Fit] = []
+    for instance, beginnings in looked[:_LEADING]:
         richer = replace(base.hypothesis, instances=(*base.hypothesis.instances, instance))
-        near = fit_hypothesis(middle, richer, start=begin, max_iterations=STEPS)
-        fits.append(fit_hypothesis(sharp, richer, start=near.values, max_iterations=STEPS))
-    return fits
+        # What promises most may lead back to none, and the next one not.
+        begun = [begin for gain, begin in beginnings[:_LEADING] if gain > LOOK]
+        near += [fit_hypothesis(middle, richer, start=begin) for begin in begun]
+    return [
+        fit_hypothesis(sharp, fit.hypothesis, start=fit.values, max_iterations=STEPS)
+        for fit in _one_each(near)
+    ]
 
 
 def _only_effects(present: Hypothesis, values: Mapping[str, float]) -> dict[str, float]:

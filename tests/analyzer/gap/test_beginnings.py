@@ -55,14 +55,14 @@ def test_the_joint_of_a_servo_promises_most_from_its_beginnings_and_nothing_of_n
     about = fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=28)
     blind = {c.instance.place: c.gain for c in scan_instances(stage, about, servos)}
     looked = promising_beginnings(stage, about, servos)
-    assert looked[0][1].place == TRUE
+    instance, beginnings = looked[0]
+    assert instance.place == TRUE
     assert max(blind, key=lambda place: blind[place]) != TRUE
-    assert looked[0][0] > blind[TRUE] + 100.0  # nats: the data tell it beyond doubt
-    # What it promises can be had: a few steps from there gain most of it.
-    gain, instance, begin = looked[0]
+    assert beginnings[0][0] > blind[TRUE] + 100.0  # nats: the data tell it beyond doubt
+    # What it promises can be had: from one of the two best, as a search tries them.
     richer = replace(about.hypothesis, instances=(instance,))
-    found = fit_hypothesis(stage, richer, start=begin, max_iterations=28)
-    assert about.cost - found.cost > 0.5 * gain
+    ends = [fit_hypothesis(stage, richer, start=begin) for _, begin in beginnings[:2]]
+    assert about.cost - min(end.cost for end in ends) > 0.5 * beginnings[0][0]
 
 
 def test_effects_without_beginnings_of_their_own_and_laws_are_left_out(ordinary, stage):

@@ -56,7 +56,7 @@ def test_a_path_of_other_lines_is_refused(text, message, tmp_path):
     [
         ((), "got neither"),
         ((POSTURE, "--path", "x"), "got both"),
-        (("--path", "not there"), "it cannot be read"),
+        (("--path", "not there"), "found none; check the path"),
         ((POSTURE, "--modes=6"), "wanted 6 modes in every posture, got 3"),
     ],
 )

@@ -68,7 +68,7 @@ def test_the_best_angle_of_a_tool_that_may_turn_is_told_beside_the_given_one(tmp
         (("--force=0,0,1",), "got neither"),
         (("--force=0,0,0", "--plane"), "wanted a force, got none"),
         (("--force=0,0", "--plane"), "--force: wanted 3 numbers"),
-        (("--force=0,0,1", "--path=not there"), "it cannot be read"),
+        (("--force=0,0,1", "--path=not there"), "found none; check the path"),
         (("--force=0,0,1", "--plane", "--free-angle"), "give a path"),
         (("--force=0,0,1", "--path=p", "--free-angle", "--spin=1,0,0"), "got both"),
         (("--force=0,0,1", "--path=p", "--spin=0,0,0"), "the direction of an axis"),
