@@ -263,13 +263,16 @@ def _products(
     errors
         (P m 3, k, 2L) normed columns of the mountings' errors.
     """
+    weights = np.repeat(root, 2, axis=-1).reshape(len(errors), 1, -1)
+    weighed_errors = (errors * weights).astype(errors.dtype).swapaxes(-1, -2)
+    flat_weights = weights.reshape(-1)
 
     def weighed(dy: ComplexArray) -> tuple[Array, Array]:
         """(j, P m 3 2L) derivatives and (j, P m 3 k) their products with the mounting errors."""
-        J = _stacked(dy * root.astype(dy.real.dtype)).reshape(len(dy), *errors.shape[::2])
-        by_errors = np.matmul(J.swapaxes(0, 1), errors.swapaxes(-1, -2)).swapaxes(0, 1)
-        flat, flat_errors = (of.reshape(len(dy), -1).astype(np.float64) for of in (J, by_errors))
-        return flat, flat_errors
+        J = _stacked(dy).reshape(len(dy), *errors.shape[::2])
+        by_errors = np.matmul(J.swapaxes(0, 1), weighed_errors).swapaxes(0, 1)
+        flat_errors = by_errors.reshape(len(dy), -1).astype(np.float64)
+        return J.reshape(len(dy), -1) * flat_weights, flat_errors
 
     gradient, curvature = np.zeros(columns.n), np.zeros((columns.n, columns.n))
     J, E = weighed(columns.shared)

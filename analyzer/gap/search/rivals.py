@@ -114,8 +114,7 @@ def find_rivals(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
     promising = [c for c in looked if c.gain > LOOK][: _kept(len(stages) - 2)]
-    near = [_begun(sharp, base[-1], c, start) for c in promising]
-    finals = _hopeful([*near, *_from_beginnings(stages[-2:], base[-2], without)])
+    finals = _hopeful([_begun(sharp, base[-1], c, start) for c in promising])
     if needs_more(base[-1], finals):
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
@@ -131,7 +130,8 @@ def find_rivals(
                     tell=tell,
                     afresh=False,
                 )
-        finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
+        blind = _from_beginnings(stages[-2:], base[-2], without)
+        finals = _one_each([*finals, *blind, *_far(stages, base, present, start, without, tell)])
         finals = [*finals, *_alternatives(sharp, finals[:_LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
         finals = [*finals, *fitted_laws(sharp, base[-1], leading, STEPS, tell)]
