@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from armodal.analyzer.gap.inference.fit import (
     Fit,
@@ -43,7 +44,18 @@ STEPS, MOST_STEPS = 3, 28  # of a fit until it is asked whether to go on, and in
 PATIENCE, _BESIDE = 3.0, 25.0
 
 Progress = Callable[[str], None]
-NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
+
+
+class Worth(Protocol):
+    """What of a search is worth its time."""
+
+    def is_in_reach(self, present: Fit, candidate: Candidate) -> bool:
+        """Whether a fit about the present one may bring a candidate to where it counts."""
+        ...
+
+    def needs_more(self, present: Fit, begun: Sequence[Fit]) -> bool:
+        """Whether anything is to be explained, by the first steps of what promises most."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +85,7 @@ class Rivals:
 def find_rivals(
     stages: Sequence[Stage],
     present: Hypothesis,
-    needs_more: NeedsMore,
+    worth: Worth,
     *,
     start: Mapping[str, float] | None = None,
     fitted: Fit | None = None,
@@ -87,9 +99,9 @@ def find_rivals(
     ----------
     stages
         Widest, broad, middle and sharp lines of the same postures.
-    needs_more
-        Whether a search that begins where nothing is fitted yet is worth its time, by the present
-        fit and the first steps of what promises most beside it.
+    worth
+        Whether a candidate is fitted at all about the present fit, and whether a search that begins
+        where nothing is fitted yet follows.
     start
         Where its effects begin.
     fitted
@@ -113,9 +125,10 @@ def find_rivals(
     looked = all_candidates(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
-    promising = [c for c in looked if c.gain > LOOK][: _kept(len(stages) - 2)]
-    finals = _hopeful([_begun(sharp, base[-1], c, start) for c in promising])
-    if needs_more(base[-1], finals):
+    promising = [c for c in looked if c.gain > LOOK and worth.is_in_reach(base[-1], c)]
+    near = [_begun(sharp, base[-1], c, start) for c in promising[: _kept(len(stages) - 2)]]
+    finals = _hopeful(near)
+    if worth.needs_more(base[-1], finals):
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
             anew = annealed(stages, present, _only_effects(present, start))[-1]
@@ -123,7 +136,7 @@ def find_rivals(
                 return find_rivals(
                     stages,
                     present,
-                    needs_more,
+                    worth,
                     start=start,
                     fitted=anew,
                     without=without,
