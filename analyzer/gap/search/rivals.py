@@ -21,7 +21,7 @@ from armodal.analyzer.gap.inference.fit import (
     fit_hypothesis,
 )
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.beginnings import promising_beginnings
+from armodal.analyzer.gap.search.beginnings import LEADING, promising_beginnings
 from armodal.analyzer.gap.search.candidates import (
     all_candidates,
     goes_with,
@@ -34,7 +34,6 @@ from armodal.analyzer.gap.search.scan import Candidate
 __all__ = ["LOOK", "PATIENCE", "STEPS", "Rivals", "annealed", "find_rivals"]
 
 _KEPT = 28  # candidates fitted on the widest lines; on each sharper stage half as many
-_LEADING = 2  # of each stage, whose alternatives are fitted beside them
 LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
@@ -127,7 +126,7 @@ def find_rivals(
     )
     promising = [c for c in looked if c.gain > LOOK and worth.is_in_reach(base[-1], c)]
     near = [_begun(sharp, base[-1], c, start) for c in promising[: _kept(len(stages) - 2)]]
-    finals = _hopeful(near)
+    finals = _hopeful([*near, *_from_beginnings(stages[-2:], base[-2], without)])
     if worth.needs_more(base[-1], finals):
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
@@ -143,9 +142,8 @@ def find_rivals(
                     tell=tell,
                     afresh=False,
                 )
-        blind = _from_beginnings(stages[-2:], base[-2], without)
-        finals = _one_each([*finals, *blind, *_far(stages, base, present, start, without, tell)])
-        finals = [*finals, *_alternatives(sharp, finals[:_LEADING])]
+        finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
+        finals = [*finals, *_alternatives(sharp, finals[:LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
         finals = [*finals, *fitted_laws(sharp, base[-1], leading, STEPS, tell)]
         finals = _one_each([f for f in finals if f.last.key not in without])
@@ -206,7 +204,7 @@ def _far(
         [_begun(widest, unfitted, c, begin, also=about) for about, c in _chosen(pool, _KEPT)]
     )
     for number, stage in enumerate(stages[1:], 1):
-        fits = [*fits, *_alternatives(stages[number - 1], fits[:_LEADING])]
+        fits = [*fits, *_alternatives(stages[number - 1], fits[:LEADING])]
         fits = _hopeful([f for f in fits if f.last.key not in without])[: _kept(number)]
         if not fits:
             return []
@@ -223,10 +221,10 @@ def _from_beginnings(
     instances = [i for i in others_beside(base) if i.key not in without]
     looked = promising_beginnings(middle, base, instances)
     near: list[Fit] = []
-    for instance, beginnings in looked[:_LEADING]:
+    for instance, beginnings in looked[:LEADING]:
         richer = replace(base.hypothesis, instances=(*base.hypothesis.instances, instance))
         # What promises most may lead back to none, and the next one not.
-        begun = [begin for gain, begin in beginnings[:_LEADING] if gain > LOOK]
+        begun = [begin for gain, begin in beginnings[:LEADING] if gain > LOOK]
         near += [fit_hypothesis(middle, richer, start=begin) for begin in begun]
     return [
         fit_hypothesis(sharp, fit.hypothesis, start=fit.values, max_iterations=STEPS)
