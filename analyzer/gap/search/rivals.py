@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 from armodal.analyzer.gap.inference.fit import (
     Fit,
@@ -43,18 +42,7 @@ STEPS, MOST_STEPS = 3, 28  # of a fit until it is asked whether to go on, and in
 PATIENCE, _BESIDE = 3.0, 25.0
 
 Progress = Callable[[str], None]
-
-
-class Worth(Protocol):
-    """What of a search is worth its time."""
-
-    def is_in_reach(self, present: Fit, candidate: Candidate) -> bool:
-        """Whether a fit about the present one may bring a candidate to where it counts."""
-        ...
-
-    def needs_more(self, present: Fit, begun: Sequence[Fit]) -> bool:
-        """Whether anything is to be explained, by the first steps of what promises most."""
-        ...
+NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +72,7 @@ class Rivals:
 def find_rivals(
     stages: Sequence[Stage],
     present: Hypothesis,
-    worth: Worth,
+    needs_more: NeedsMore,
     *,
     start: Mapping[str, float] | None = None,
     fitted: Fit | None = None,
@@ -98,9 +86,9 @@ def find_rivals(
     ----------
     stages
         Widest, broad, middle and sharp lines of the same postures.
-    worth
-        Whether a candidate is fitted at all about the present fit, and whether a search that begins
-        where nothing is fitted yet follows.
+    needs_more
+        Whether a search that begins where nothing is fitted yet is worth its time, by the present
+        fit and the first steps of what promises most beside it.
     start
         Where its effects begin.
     fitted
@@ -124,10 +112,10 @@ def find_rivals(
     looked = all_candidates(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
-    promising = [c for c in looked if c.gain > LOOK and worth.is_in_reach(base[-1], c)]
-    near = [_begun(sharp, base[-1], c, start) for c in promising[: _kept(len(stages) - 2)]]
+    promising = [c for c in looked if c.gain > LOOK][: _kept(len(stages) - 2)]
+    near = [_begun(sharp, base[-1], c, start) for c in promising]
     finals = _hopeful([*near, *_from_beginnings(stages[-2:], base[-2], without)])
-    if worth.needs_more(base[-1], finals):
+    if needs_more(base[-1], finals):
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
             anew = annealed(stages, present, _only_effects(present, start))[-1]
@@ -135,7 +123,7 @@ def find_rivals(
                 return find_rivals(
                     stages,
                     present,
-                    worth,
+                    needs_more,
                     start=start,
                     fitted=anew,
                     without=without,
