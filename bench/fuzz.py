@@ -21,6 +21,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -49,7 +50,8 @@ def child(name: str, arguments: list[str]) -> None:
         from support.decoders import check  # noqa: PLC0415
         from support.fuzz_material import decoders_in  # noqa: PLC0415
     folder = WORK / "material" / _folder(name)
-    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)  # of an earlier run
+    folder.mkdir(parents=True)
     decoder = decoders_in(folder)[name]
     inputs = WORK / _folder(name)
     for seed in decoder.seeds:
@@ -69,9 +71,8 @@ def python_names() -> list[str]:
     """Return the names of the Python decoders."""
     from support.fuzz_material import decoders_in  # noqa: PLC0415
 
-    folder = WORK / "material"
-    folder.mkdir(parents=True, exist_ok=True)
-    return list(decoders_in(folder))
+    with tempfile.TemporaryDirectory() as folder:
+        return list(decoders_in(folder))
 
 
 def dictionary() -> Path:
