@@ -22,6 +22,7 @@ from armodal.protocols.foreign.rattlesnake import is_rattlesnake, rattlesnake_va
 from armodal.protocols.foreign.roles import split_unit
 from armodal.protocols.foreign.variables import Listed, Variable, Variables
 from armodal.protocols.hdf5_heap import has_endless_heap
+from armodal.protocols.hdf5_superblock import names_a_driver
 
 __all__ = ["hdf5_variables"]
 
@@ -48,8 +49,8 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
     """
     origin = path.name
     try:
-        if has_endless_heap(path):
-            raise OSError("a heap without end")
+        if has_endless_heap(path) or names_a_driver(path):
+            raise OSError("a heap without end, or a driver's block")
         with h5py.File(path, "r", locking="best-effort") as file:
             reader = _Reader(file, origin, most_decoded_bytes(path.stat().st_size))
             part = reader.part()
