@@ -35,7 +35,8 @@ WORK = ROOT / "build" / "fuzz"
 SECONDS = int(os.environ.get("FUZZ_SECONDS", "300"))  # of each decoder
 KEPT_BYTES = 2048  # of an input in the repository
 KEPT_INPUTS = 12  # of a decoder
-MEMORY_MB = 2048
+MEMORY_MB = 4096  # of a process: atheris keeps what it has compared, some 100 kB of a long input
+ROUND_S = 60  # then another process goes on
 HANGS_AFTER_S = 20
 C_NAME = "board frames in C"
 _TELLS = re.compile(r"Error\b|ERROR|Test unit")
@@ -61,10 +62,19 @@ def dictionary() -> Path:
 
 
 def fuzz(name: str, command: list[str] | None, seconds: int) -> tuple[int, str]:
-    """Fuzz one decoder, by a program or in Python.
+    """Fuzz one decoder, by a program or in Python, process after process.
 
     Returns how many inputs were tried, and what went wrong, if anything.
     """
+    tried, wrong, left = 0, "", seconds
+    while left > 0 and not wrong:
+        more, wrong = fuzz_once(name, command, min(left, ROUND_S))
+        tried, left = tried + more, left - ROUND_S
+    return tried, wrong
+
+
+def fuzz_once(name: str, command: list[str] | None, seconds: int) -> tuple[int, str]:
+    """Fuzz one decoder in one process."""
     inputs, faults, corpus = WORK / _folder(name), WORK / "faults", CORPUS / _folder(name)
     for folder in (inputs, faults, corpus):
         folder.mkdir(parents=True, exist_ok=True)

@@ -178,7 +178,7 @@ class _Reader:
         if dataset.shape is None or math.prod(dataset.shape) > _MOST_TEXTS:
             return None
         if h5py.check_string_dtype(dataset.dtype) is not None:
-            if not self._readable(dataset) and dataset.dtype.kind != "O":
+            if not self._readable(dataset):
                 return None
             self._take(dataset.nbytes)
             items = np.asarray(dataset[()]).reshape(-1)
