@@ -183,7 +183,7 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         parameters=intervals(final, instance.owned, phi),
         size=instance.size,
         description={} if instance.describe is None else instance.describe(final.values),
-        confidence=step.judged.confidence * (1.0 - chance),
+        confidence=step.judged.confidence * step.recurrence * (1.0 - chance),
         gain=gain,
         held_out_gain=float(
             np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)

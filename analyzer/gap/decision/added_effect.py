@@ -26,6 +26,7 @@ class Step:
     foretold_without: HeldOut
     foretold_with: HeldOut
     judged: Judged
+    recurrence: float  # probability that it lowers the misfit of further postures too
 
 
 def with_step(

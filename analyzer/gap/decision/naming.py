@@ -10,6 +10,7 @@ import numpy as np
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.calibration import Calibration
 from armodal.analyzer.gap.decision.judge import MOST, Judged, Thresholds, judge
+from armodal.analyzer.gap.decision.recurrence import recurrence
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.held_out import held_out
@@ -98,6 +99,7 @@ def step_to(
         foretold_without=without,
         foretold_with=with_it,
         judged=judged,
+        recurrence=recurrence(stage, present, better),
     )
     return step, ""
 

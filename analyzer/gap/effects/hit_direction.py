@@ -59,6 +59,7 @@ def _turned(posture: str | None) -> Instance:
         size=turns[0],
         sizes=tuple(turns),
         material=_MATERIAL,
+        of_one_posture=posture is not None,
     )
 
 
@@ -72,4 +73,5 @@ def _aimed(posture: str) -> Instance:
         size=names[0],
         sizes=tuple(names),
         material=_MATERIAL,
+        of_one_posture=True,
     )

@@ -80,6 +80,7 @@ def stood_at(
         place=f"point {point} was {other}{where}",
         builder=build,
         describe=_saying(words if posture is None else words | {"posture": posture}),
+        of_one_posture=posture is not None,
     )
 
 

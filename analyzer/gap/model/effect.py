@@ -121,6 +121,7 @@ class Instance:
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     # ln k of the joint whose compliance it is a part of, as long as nothing else of it is seen.
     hides_in: str = ""
+    of_one_posture: bool = False  # nothing of it recurs in another
     last: bool = False  # built after the others: reads every coordinate they bring
     is_term: bool = False  # of the equations, though it only widens priors
     level_dependent: bool = False  # soft and hard hits of a posture are answered otherwise

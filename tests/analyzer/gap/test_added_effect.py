@@ -32,6 +32,7 @@ def step_to(fit):
         foretold_without=surprise,
         foretold_with=surprise,
         judged=Judged(named=fit, standing=(fit,), phi=1.0, calibration=made_calibration()),
+        recurrence=1.0,
     )
 
 
