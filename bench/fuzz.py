@@ -14,18 +14,18 @@ installed, else that is said.
 from __future__ import annotations
 
 import argparse
-import hashlib
 import importlib.util
 import os
 import re
 import shutil
 import subprocess
 import sys
-import warnings
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from figures import Figure, told
+from fuzz_child import forked
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -35,43 +35,19 @@ WORK = ROOT / "build" / "fuzz"
 SECONDS = int(os.environ.get("FUZZ_SECONDS", "300"))  # of each decoder
 KEPT_BYTES = 2048  # of an input in the repository
 KEPT_INPUTS = 12  # of a decoder
-MEMORY_MB = 2048
+MEMORY_MB = 4096  # of a process: atheris keeps what it has compared, some 100 kB of a long input
+ROUND_S = 60  # then another process goes on
 HANGS_AFTER_S = 20
 C_NAME = "board frames in C"
-
-
-def child(name: str, arguments: list[str]) -> None:
-    """Body of the process of one Python decoder; never returns."""
-    import atheris  # noqa: PLC0415 - in the extra `fuzz`
-
-    warnings.simplefilter("ignore")
-    with atheris.instrument_imports(include=["armodal", "cantools"]):
-        from support.decoders import check  # noqa: PLC0415
-        from support.fuzz_material import decoders_in  # noqa: PLC0415
-    folder = WORK / "material" / _folder(name)
-    folder.mkdir(parents=True, exist_ok=True)
-    decoder = decoders_in(folder)[name]
-    inputs = WORK / _folder(name)
-    for seed in decoder.seeds:
-        (inputs / hashlib.sha1(seed, usedforsecurity=False).hexdigest()).write_bytes(seed)
-
-    def one(data: bytes) -> None:
-        wrong = check(decoder, data)
-        if wrong is not None:
-            raise AssertionError(wrong)
-
-    longest = max(map(len, decoder.seeds)) * 3 // 2
-    atheris.Setup([sys.argv[0], f"-max_len={longest}", *arguments], one)
-    atheris.Fuzz()
+_TELLS = re.compile(r"Error\b|ERROR|Test unit")
 
 
 def python_names() -> list[str]:
     """Return the names of the Python decoders."""
     from support.fuzz_material import decoders_in  # noqa: PLC0415
 
-    folder = WORK / "material"
-    folder.mkdir(parents=True, exist_ok=True)
-    return list(decoders_in(folder))
+    with tempfile.TemporaryDirectory() as folder:
+        return list(decoders_in(folder))
 
 
 def dictionary() -> Path:
@@ -85,8 +61,20 @@ def dictionary() -> Path:
     return path
 
 
-def fuzz(name: str, command: list[str], seconds: int) -> tuple[int, str]:
-    """Fuzz one decoder; return how many inputs were tried, and what went wrong, if anything."""
+def fuzz(name: str, command: list[str] | None, seconds: int) -> tuple[int, str]:
+    """Fuzz one decoder, by a program or in Python, process after process.
+
+    Returns how many inputs were tried, and what went wrong, if anything.
+    """
+    tried, wrong, left = 0, "", seconds
+    while left > 0 and not wrong:
+        more, wrong = fuzz_once(name, command, min(left, ROUND_S))
+        tried, left = tried + more, left - ROUND_S
+    return tried, wrong
+
+
+def fuzz_once(name: str, command: list[str] | None, seconds: int) -> tuple[int, str]:
+    """Fuzz one decoder in one process."""
     inputs, faults, corpus = WORK / _folder(name), WORK / "faults", CORPUS / _folder(name)
     for folder in (inputs, faults, corpus):
         folder.mkdir(parents=True, exist_ok=True)
@@ -95,13 +83,19 @@ def fuzz(name: str, command: list[str], seconds: int) -> tuple[int, str]:
         f"-timeout={HANGS_AFTER_S}", "-print_final_stats=1",
         f"-artifact_prefix={faults}/{_folder(name)}-", str(inputs), str(corpus),
     ]  # fmt: skip
-    done = subprocess.run([*command, *arguments], capture_output=True, text=True, check=False)
-    counted = re.search(r"number_of_executed_units: (\d+)", done.stderr)
+    said = WORK / f"{_folder(name)}.log"
+    if command is None:
+        code = forked(name, inputs, arguments, said)
+    else:
+        with said.open("wb") as file:
+            code = subprocess.run([*command, *arguments], stderr=file, check=False).returncode
+    text = said.read_text(errors="replace")
+    counted = re.search(r"number_of_executed_units: (\d+)", text)
     tried = int(counted.group(1)) if counted else 0
-    if done.returncode == 0:
+    if code == 0:
         return tried, ""
-    words = [line for line in done.stderr.splitlines() if "rror" in line or "Test unit" in line]
-    return tried, f"exit code {done.returncode}: {' | '.join(words)[:600] or done.stderr[-600:]}"
+    words = [line for line in text.splitlines() if _TELLS.search(line)]
+    return tried, f"exit code {code}: {' | '.join(words)[:600] or text[-600:]}"
 
 
 def keep(name: str) -> None:
@@ -151,10 +145,8 @@ def main() -> int:
 
 def figure_of(name: str, seconds: int, *, kept: bool) -> Figure | None:
     """Fuzz one decoder; return its figure, None where it cannot be fuzzed here."""
-    command: list[str] | None = [sys.executable, __file__, "--child", name]
-    if name == C_NAME:
-        command = c_command()
-    if command is None:
+    command = c_command() if name == C_NAME else None
+    if name == C_NAME and command is None:
         print(f"{name}: no clang with libFuzzer on this machine, not fuzzed", flush=True)
         return None
     tried, wrong = fuzz(name, command, seconds)
@@ -168,7 +160,4 @@ def figure_of(name: str, seconds: int, *, kept: bool) -> Figure | None:
 
 
 if __name__ == "__main__":
-    if "--child" in sys.argv:
-        at = sys.argv.index("--child")
-        child(sys.argv[at + 1], sys.argv[at + 2 :])
     sys.exit(main())

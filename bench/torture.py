@@ -6,6 +6,10 @@
 A torture is a script `torture_NAME.py` that ends with exit code 0 if all is as wanted. Rows
 `| what | reached | wanted | good |` among its words (`figures.py`) come into the table.
 
+Those of `ALONE` run one after the other at the end: they keep all processors busy themselves, or
+their laboratory passes in real time. The others go before, one more at once than there are
+processors.
+
 One that went well at this commit is not run again: what it said is kept in `build/torture`, so that
 an interrupted torture goes on where it was. `--fresh` runs all anew. The table, with date and
 commit of each part, is written to `build/torture/table.md`.
@@ -14,9 +18,11 @@ commit of each part, is written to `build/torture/table.md`.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -24,8 +30,13 @@ from typing import Any
 HERE = Path(__file__).parent
 KEPT = HERE.parent / "build" / "torture"
 HEAD = "| figure | reached | wanted | good | date | commit |\n|---|---|---|---|---|---|"
-# Long studies of their own follow: as they take long, the short ones go first.
-LAST = ("fuzz", "soak", "coverage")
+ALONE = ("disk_faults", "faults", "kill_points", "power_cuts", "real_kills", "soak")
+LONGEST = ("source_kills", "coverage")  # first: the others fit beside them
+
+
+def name_of(script: Path) -> str:
+    """Return the name of a torture."""
+    return script.stem.removeprefix("torture_")
 
 
 def commit() -> str:
@@ -39,21 +50,22 @@ def commit() -> str:
 
 def run(script: Path, at: str) -> dict[str, Any]:
     """Run one torture, its words passed on; return its rows and whether it went well."""
-    name = script.stem.removeprefix("torture_")
+    name = name_of(script)
     print(f"== {name}", flush=True)
     began = time.monotonic()
     process = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True)
     rows = []
     for line in process.stdout or ():
-        print(line, end="", flush=True)
+        print(f"{name}: {line}", end="", flush=True)
         if line.startswith("| "):
             rows.append(line.rstrip())
     code = process.wait()
-    print(f"== {name}: {time.monotonic() - began:.0f} s, exit code {code}", flush=True)
+    took_s = time.monotonic() - began
+    print(f"== {name}: {took_s:.0f} s, exit code {code}", flush=True)
     if code != 0 or not rows:  # what it said without rows stands above the table
         rows.append(f"| {name} | exit code {code} | 0 | {'NO' if code else 'yes'} |")
     date = datetime.now(UTC).date().isoformat()
-    return {"commit": at, "date": date, "good": code == 0, "rows": rows}
+    return {"commit": at, "date": date, "good": code == 0, "seconds": took_s, "rows": rows}
 
 
 def kept_or_run(script: Path, at: str, *, fresh: bool) -> dict[str, Any]:
@@ -62,33 +74,50 @@ def kept_or_run(script: Path, at: str, *, fresh: bool) -> dict[str, Any]:
     if path.exists() and not fresh and not at.endswith("-dirty"):
         kept: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
         if kept["commit"] == at and kept["good"]:
-            print(f"== {script.stem.removeprefix('torture_')}: went well on {kept['date']}")
+            print(f"== {name_of(script)}: went well on {kept['date']}")
             return kept
     found = run(script, at)
     path.write_text(json.dumps(found), encoding="utf-8")
     return found
 
 
+def all_run(scripts: list[Path], at: str, *, fresh: bool) -> dict[Path, dict[str, Any]]:
+    """Run all of them; return what each said."""
+    beside = sorted(
+        (s for s in scripts if name_of(s) not in ALONE), key=lambda s: name_of(s) not in LONGEST
+    )
+    alone = sorted(
+        (s for s in scripts if name_of(s) in ALONE), key=lambda s: ALONE.index(name_of(s))
+    )
+    processors = os.cpu_count() or 1
+    with ThreadPoolExecutor(processors + 1) as pool:  # sessions on sources mostly wait
+        said = list(pool.map(lambda script: kept_or_run(script, at, fresh=fresh), beside))
+    said += [kept_or_run(script, at, fresh=fresh) for script in alone]
+    return dict(zip(beside + alone, said, strict=True))
+
+
 def main() -> int:
     """Run what is wanted, write the table."""
     wanted = [word for word in sys.argv[1:] if word != "--fresh"]
-    scripts = sorted(HERE.glob("torture_*.py"), key=lambda path: (path.stem.endswith(LAST), path))
-    scripts = [s for s in scripts if not wanted or s.stem.removeprefix("torture_") in wanted]
+    scripts = [s for s in sorted(HERE.glob("torture_*.py")) if not wanted or name_of(s) in wanted]
     if not scripts:
         print(f"no torture of that name: {', '.join(wanted)}")
         return 2
     KEPT.mkdir(parents=True, exist_ok=True)
     at = commit()
-    results = [kept_or_run(script, at, fresh="--fresh" in sys.argv) for script in scripts]
+    begun = time.monotonic()
+    results = all_run(scripts, at, fresh="--fresh" in sys.argv)
     lines = [
-        f"{row} {result['date']} | {result['commit']} |"
-        for result in results
-        for row in result["rows"]
+        f"{row} {results[script]['date']} | {results[script]['commit']} |"
+        for script in scripts
+        for row in results[script]["rows"]
     ]
     table = "\n".join([HEAD, *lines])
+    minutes = ", ".join(f"{name_of(s)} {results[s]['seconds'] / 60:.0f}" for s in scripts)
+    print(f"\nminutes: {minutes}; {(time.monotonic() - begun) / 60:.0f} in all")
     print(f"\n{table}")
     (KEPT / "table.md").write_text(table + "\n", encoding="utf-8")
-    return 0 if all(result["good"] for result in results) else 1
+    return 0 if all(result["good"] for result in results.values()) else 1
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 """Kill sessions on each source of samples, and the sources, at drawn times; resume; compare.
 
 Every source that can be started here is tortured: a sound file, a sound card in the place of
-PortAudio, a module of NI at a gRPC server, a device of openDAQ by native streaming. What is done
-lies in `build/torture/source_kills.jsonl`, so that an interrupted run goes on where it was.
+PortAudio, a module of NI at a gRPC server, a device of openDAQ by native streaming. They are
+tortured beside each other: mostly they wait. What is done lies in
+`build/torture/source_kills.jsonl`, so that an interrupted run goes on where it was.
 
     python bench/torture_source_kills.py [--source NAME] [--kills 500] [--seed 1] [--fresh]
 """
@@ -12,9 +13,11 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import json
+import multiprocessing
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 
@@ -60,6 +63,21 @@ def torture(name: str, part: int, kills: int, seed: int) -> dict[str, object]:
     return asdict(session.tally)
 
 
+def torture_source(name: str, kills: int, seed: int, at: str) -> list[dict[str, object]]:
+    """Kill so many sessions on a source, journal after journal; return what came of each."""
+    rows = [row for row in done(at, seed) if row["source"] == name]
+    for part in range(-(-kills // KILLS_OF_A_JOURNAL)):
+        if part in {row["part"] for row in rows}:
+            continue
+        of_part = min(KILLS_OF_A_JOURNAL, kills - part * KILLS_OF_A_JOURNAL)
+        found = torture(name, part, of_part, seed)
+        rows.append({"commit": at, "seed": seed, "source": name, "part": part, **found})
+        with DONE.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(rows[-1]) + "\n")
+        print(rows[-1], flush=True)
+    return rows
+
+
 def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--source", choices=sorted(SOURCES), action="append")
@@ -71,21 +89,18 @@ def main() -> int:
     DONE.parent.mkdir(parents=True, exist_ok=True)
     if given.fresh:
         DONE.unlink(missing_ok=True)
-    figures = []
+    figures, tortured = [], []
     for name in given.source or sorted(SOURCES):
-        if not all(importlib.util.find_spec(need) for need in NEEDS.get(name, ())):
+        if all(importlib.util.find_spec(need) for need in NEEDS.get(name, ())):
+            tortured.append(name)
+        else:
             print(f"{name}: not installed here", flush=True)
-            continue
-        rows = [row for row in done(at, given.seed) if row["source"] == name]
-        for part in range(-(-given.kills // KILLS_OF_A_JOURNAL)):
-            if part in {row["part"] for row in rows}:
-                continue
-            kills = min(KILLS_OF_A_JOURNAL, given.kills - part * KILLS_OF_A_JOURNAL)
-            found = torture(name, part, kills, given.seed)
-            rows.append({"commit": at, "seed": given.seed, "source": name, "part": part, **found})
-            with DONE.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(rows[-1]) + "\n")
-            print(rows[-1], flush=True)
+    with ProcessPoolExecutor(len(tortured), multiprocessing.get_context("spawn")) as pool:
+        waiting = [
+            pool.submit(torture_source, name, given.kills, given.seed, at) for name in tortured
+        ]
+    for name, result in zip(tortured, waiting, strict=True):
+        rows = result.result()
         total = {key: sum(row[key] for row in rows) for key in ("kills", "devices_killed")}
         judged, accepted = (sum(row[key] for row in rows) for key in ("judged", "accepted"))
         wrong = [words for row in rows for words in row["wrong"]]

@@ -22,9 +22,10 @@ from armodal.protocols.errors import (
     MissingPackageError,
 )
 
-__all__ = ["MOST_S", "apart", "bytes_allowed", "most_bytes_beside"]
+__all__ = ["apart", "bytes_allowed", "most_bytes_beside", "most_s_beside"]
 
-MOST_S = 8  # of a processor; with what we do of the result, within ten
+_MOST_S = 8  # of a processor; with what we do of the result, within ten
+_BYTES_PER_S = 2_000_000  # of messages and nodes that are decoded one by one
 _BUSY = 15  # times slower than its processor, on a machine with much else to do
 _SMALL_FILE = 1_100_000
 # With what our own process takes of the result, within the bounds of `protocols.bounds`.
@@ -44,13 +45,18 @@ def most_bytes_beside(size: int) -> int:
     return _SMALL_BYTES if size <= _SMALL_FILE else _LARGE_BYTES
 
 
+def most_s_beside(size: int) -> int:
+    """Return how many seconds of a processor may be taken over a file of so many bytes."""
+    return _MOST_S + size // _BYTES_PER_S
+
+
 def apart(
     function: str,
     arguments: Mapping[str, object],
     *,
     most_bytes: int,
     what: str,
-    most_s: int = MOST_S,
+    most_s: int = _MOST_S,
     error: type[ArmodalError] = ArmError,
 ) -> str:
     """Call a function of ours in another process, and return the text that it returns.

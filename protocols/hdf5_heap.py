@@ -1,7 +1,8 @@
 """Global heaps of an HDF5 file, looked at before HDF5 reads texts of variable length from them.
 
 A heap is a chain of objects: index, count, four bytes of nothing, size (u16, u16, u64, little
-endian), and the object. Where the chain has a step of no length, HDF5 goes round in it for ever.
+endian), and the object. Where the chain has a step of no length, or one so long that it leads back
+in 64 bits, HDF5 goes round in it for ever. No step of a heap leads beyond it.
 
 References
 ----------
@@ -52,7 +53,7 @@ def _is_endless(data: mmap.mmap, begin: int) -> bool:
         index, _, _, length = _OBJECT.unpack_from(data, at)
         # What is free is as long as it says; an object is longer by its head, and aligned.
         step = length if index == 0 else _OBJECT.size + -(-length // _ALIGNED) * _ALIGNED
-        if step % 2**64 == 0:
+        if step == 0 or at + step > begin + size:
             return True
         at += step
     return False

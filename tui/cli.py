@@ -5,6 +5,7 @@ from __future__ import annotations
 import pkgutil
 import sys
 from collections.abc import Iterator, MutableMapping
+from contextlib import contextmanager
 from functools import lru_cache
 from importlib import import_module
 from typing import Annotated, Any
@@ -15,6 +16,7 @@ from typer.core import TyperGroup
 from armodal import SOFTWARE
 from armodal.protocols.errors import ArmodalError, SessionError
 from armodal.protocols.os_words import os_words
+from armodal.protocols.printable import printable
 from armodal.tui import commands
 from armodal.tui.console import err, out
 from armodal.tui.this_system import check_runs_devices, runs_devices
@@ -29,6 +31,7 @@ FIRST = (
     "identify", "predict", "shaper", "stiffness-map", "chatter", "model", "report", "gap",
     "gap-study", "check", "can",
 )  # fmt: skip
+_USAGE_ERROR: Any = typer.BadParameter.__base__  # which typer has from click, or from a copy of it
 OF_DEVICES = frozenset({"demo", "sim", "devices", "acquire", "run"})
 
 
@@ -91,6 +94,24 @@ class _Armodal(TyperGroup):
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
         self.commands = _Loaded()
+
+    def make_context(self, *given: Any, **settings: Any) -> Any:
+        with _printable_usage():
+            return super().make_context(*given, **settings)
+
+    def invoke(self, ctx: Any) -> Any:
+        with _printable_usage():
+            return super().invoke(ctx)
+
+
+@contextmanager
+def _printable_usage() -> Iterator[None]:
+    """Write out, in errors of usage, what names of files among the arguments would steer."""
+    try:
+        yield
+    except _USAGE_ERROR as error:
+        error.message = printable(error.message)
+        raise
 
 
 app = typer.Typer(

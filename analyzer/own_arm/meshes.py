@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.own_arm.mesh_parts import separated_parts
-from armodal.protocols.apart import MOST_S, apart, most_bytes_beside
+from armodal.protocols.apart import apart, most_bytes_beside, most_s_beside
 from armodal.protocols.errors import ArmError, MissingPackageError
 from armodal.protocols.robot.records import Shape
 
@@ -24,7 +24,6 @@ Triangles = npt.NDArray[np.int64]
 _ROUND = 24  # sides of a drawn cylinder: 1 % of its radius inside the true one
 _LARGEST_BYTES = 200 * 2**20
 _KINDS = (".stl", ".obj", ".dae", ".ply")  # the loader knows dozens, made for other things
-_BYTES_PER_S = 2e6
 _HEAD = 65536  # characters of a COLLADA file that hold its asset
 _UNIT = re.compile(r"<unit\b[^>]*?\bmeter\s*=\s*[\"']\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*[\"']")
 
@@ -84,7 +83,7 @@ def read_mesh(path: Path) -> tuple[Array, Triangles]:
             f"{__name__}:tried",
             {"path": str(path)},
             most_bytes=most_bytes_beside(size),
-            most_s=MOST_S + int(size / _BYTES_PER_S),
+            most_s=most_s_beside(size),
             what=name,
         )
     found = _loaded(path)

@@ -22,6 +22,7 @@ from armodal.protocols.foreign.rattlesnake import is_rattlesnake, rattlesnake_va
 from armodal.protocols.foreign.roles import split_unit
 from armodal.protocols.foreign.variables import Listed, Variable, Variables
 from armodal.protocols.hdf5_heap import has_endless_heap
+from armodal.protocols.hdf5_superblock import names_a_driver
 
 __all__ = ["hdf5_variables"]
 
@@ -48,8 +49,8 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
     """
     origin = path.name
     try:
-        if has_endless_heap(path):
-            raise OSError("a heap without end")
+        if has_endless_heap(path) or names_a_driver(path):
+            raise OSError("a heap without end, or a driver's block")
         with h5py.File(path, "r", locking="best-effort") as file:
             reader = _Reader(file, origin, most_decoded_bytes(path.stat().st_size))
             part = reader.part()
@@ -177,7 +178,7 @@ class _Reader:
         if dataset.shape is None or math.prod(dataset.shape) > _MOST_TEXTS:
             return None
         if h5py.check_string_dtype(dataset.dtype) is not None:
-            if not self._readable(dataset) and dataset.dtype.kind != "O":
+            if not self._readable(dataset):
                 return None
             self._take(dataset.nbytes)
             items = np.asarray(dataset[()]).reshape(-1)

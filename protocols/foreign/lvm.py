@@ -12,6 +12,7 @@ National Instruments, Specification for the LabVIEW Measurement File (.lvm).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -29,6 +30,7 @@ _END = "***End_of_Header***"
 _MOST_SECTIONS = 1000
 _MOST_CHANNELS = 1000
 _TIMES = {"", "time"}
+_COUNT = re.compile(r"[0-9]{1,18}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,13 +76,13 @@ def lvm_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
 
 
 def _keys(lines: Sequence[str], at: int, separator: str) -> dict[str, list[str]]:
-    """Return the keys of a header with their values, up to its end."""
+    """Return the keys of a header with their values, at least an empty one, up to its end."""
     found: dict[str, list[str]] = {}
     for line in lines[at : at + 100]:
         if line.startswith(_END):
             break
         key, *values = line.rstrip("\r\n").split(separator)
-        found.setdefault(key.strip(), [value.strip() for value in values])
+        found.setdefault(key.strip(), [value.strip() for value in values] or [""])
     return found
 
 
@@ -172,7 +174,7 @@ def _announced(header: dict[str, list[str]]) -> int | None:
 
     A stream that LabVIEW appends to has the samples of its first piece there.
     """
-    told = [int(text) for text in header.get("Samples", []) if text.isdigit()]
+    told = [int(text) for text in header.get("Samples", []) if _COUNT.fullmatch(text)]
     told = [number for number in told if number > 0]
     return min(told) if told else None
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from armodal.protocols.apart import MOST_S, apart, most_bytes_beside
+from armodal.protocols.apart import apart, most_bytes_beside, most_s_beside
 from armodal.protocols.errors import ForeignFileError, MissingPackageError
 from armodal.protocols.foreign.motion_streams import Stream
 
@@ -25,7 +25,6 @@ __all__ = ["prepare", "stay_within_bounds", "streams_of", "tried"]
 
 _KINDS = ("JointState", "Imu", "AccelStamped")
 _MOST_BYTES = 2**30  # of a record, unpacked
-_BYTES_PER_S = 2e6  # of messages that are decoded one by one
 
 # Of a message: its topic, the time it was logged in ns, its kind, and itself.
 _Message = tuple[str, int, str, Any]
@@ -76,7 +75,7 @@ def stay_within_bounds(path: Path) -> None:
         f"{__name__}:tried",
         {"path": str(path)},
         most_bytes=most_bytes_beside(size),
-        most_s=MOST_S + int(size / _BYTES_PER_S),
+        most_s=most_s_beside(size),
         what=path.name,
         error=ForeignFileError,
     )

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from armodal.protocols.errors import SessionError
 from armodal.protocols.hdf5_heap import has_endless_heap
+from armodal.protocols.hdf5_superblock import names_a_driver
 
 __all__ = [
     "Tree",
@@ -77,8 +78,8 @@ def add_texts(parent: h5py.Group, name: str, texts: Sequence[str]) -> None:
 def open_tree(path: Path) -> Iterator[Tree]:
     """Open an HDF5 file for reading; whatever HDF5 refuses becomes one SessionError."""
     try:
-        if has_endless_heap(path):
-            raise OSError("a heap without end")
+        if has_endless_heap(path) or names_a_driver(path):
+            raise OSError("a heap without end, or a driver's block")
         with h5py.File(path, "r", locking="best-effort") as file:
             yield Tree(file, path)
     except SessionError:

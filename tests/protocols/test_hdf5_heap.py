@@ -23,13 +23,13 @@ def file(tmp_path):
     return path
 
 
-def spoil(path):
-    """Let what is free in the heap be of no length."""
+def spoil(path, length):
+    """Let what is free in the heap be of another length."""
     data = bytearray(path.read_bytes())
     at = data.index(b"GCOL") + 16
     while int.from_bytes(data[at : at + 2], "little"):  # an object, not what is free
         at += 16 + -(-int.from_bytes(data[at + 8 : at + 16], "little") // 8) * 8
-    data[at + 8 : at + 16] = bytes(8)
+    data[at + 8 : at + 16] = length.to_bytes(8, "little")
     path.write_bytes(data)
 
 
@@ -38,8 +38,9 @@ def test_a_heap_that_hdf5_wrote_has_an_end(file):
     assert not has_endless_heap(file)
 
 
-def test_a_heap_with_a_step_of_no_length_is_refused_as_measurements_and_as_a_session(file):
-    spoil(file)
+@pytest.mark.parametrize("length", [0, 5000, 2**64 - 16, 2**64 - 1])
+def test_a_heap_with_a_step_to_nowhere_is_refused_as_measurements_and_as_a_session(file, length):
+    spoil(file, length)
     assert has_endless_heap(file)
     with pytest.raises(ForeignFileError, match="cannot be read as one"):
         read_content(file, Hints())

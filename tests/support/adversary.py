@@ -124,6 +124,7 @@ class AttackedDisk(Disk):
         self._left = at
         self._attack = attack
         self.refuses: tuple[int, tuple[str, ...], bool] | None = None
+        self.struck = False
 
     def _change(self, kind: str) -> None:
         self._left -= 1
@@ -131,6 +132,7 @@ class AttackedDisk(Disk):
             self._attack()
         if self.refuses is not None and kind in self.refuses[1]:
             code, _, lasting = self.refuses
+            self.struck = True
             if not lasting:
                 self.refuses = None
             raise OSError(code, os.strerror(code))
@@ -179,6 +181,7 @@ class Disturbed:
     lost: list[int]
     endings: list[str]
     wrong: str = ""
+    struck: bool = False  # whether the disturbance came about before the session's end
 
 
 def disturbed_session(seed: int) -> Disturbed:
@@ -219,6 +222,7 @@ def disturbed_session(seed: int) -> Disturbed:
             else:
                 os.environ["XDG_RUNTIME_DIR"] = before
         found.announced = len(hits)
+        found.struck = disk.struck if kind not in OF_LAB else _reached(lab, faults, at_blows)
         there = _recoverable(root)
         found.lost = [hit.number for hit in hits if hit.counts.tobytes() not in there]
         loose = [p.name for p in root.rglob("*") if p.is_file() and p.stat().st_mode & 0o077]
@@ -243,18 +247,28 @@ def _script(kind: str, rng: np.random.Generator) -> tuple[tuple[str, ...], tuple
     return (), ()
 
 
+def _reached(lab: VirtualLab, faults: tuple[str, ...], at_blows: tuple[Any, ...]) -> bool:
+    """Whether the laboratory came to the sample or blow that its fault was to come at."""
+    sampled = max((epoch.next_sample for epoch in lab.epochs), default=0)
+    starts = [int(fault.partition("@")[2].partition("+")[0]) for fault in faults]
+    return all(at < sampled for at in starts) and all(at[0] <= lab.n_blows for at in at_blows)
+
+
 def _disturb(kind: str, journal: Path, disk: AttackedDisk, lab: VirtualLab) -> None:
     if kind in ON_DISK:
         disk.refuses = ON_DISK[kind]
     elif kind == "host stops for 30 s":
         lab.advance(30.0)
+        disk.struck = True
     elif kind == "host is suspended for 60 s":
         lab.advance(60.0)
         lab.behind_s += 60.0
+        disk.struck = True
     else:
         for attack in ON_FILES:
             if attack.__name__ == kind and journal.exists():
                 attack(journal)
+                disk.struck = True
 
 
 def _sessions(

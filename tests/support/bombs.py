@@ -236,6 +236,17 @@ def cells_of_nothing() -> bytes:
     return _mat(zlib.compress(struct.pack("<II", 14, len(whole)) + whole))
 
 
+def of_a_driver(size: int) -> bytes:
+    """An HDF5 file whose superblock names a driver information block of so many bytes."""
+    stream = io.BytesIO()
+    with h5py.File(stream, "w", libver=("earliest", "v110")) as file:
+        file["a"] = np.arange(100.0)
+    data = bytearray(stream.getvalue())
+    block = struct.pack("<4xI8s", size, b"NCSAmult")
+    data[40:56] = struct.pack("<QQ", len(data) + len(block), len(data))  # the file's end, the block
+    return bytes(data) + block
+
+
 def _hdf5(path: Path, *datasets: tuple[str, tuple[int, ...], str, tuple[int, ...]]) -> None:
     with h5py.File(path, "w") as file:
         for name, shape, dtype, chunks in datasets:
@@ -263,6 +274,11 @@ def _session_of_padding(path: Path) -> None:
 
 
 BOMBS["a_session_of_padding"] = ("session",), ".h5", _session_of_padding
+
+
+@bomb(("content", "session"), ".h5")
+def a_drivers_block_of_3_gb() -> bytes:
+    return of_a_driver(size=0xE000_0000)
 
 
 @bomb(("content",), ".npz")

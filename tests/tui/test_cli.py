@@ -79,6 +79,16 @@ def test_a_command_that_is_mistyped_is_told_the_one_that_was_meant():
     assert "Did you mean 'identify'" in said.stderr
 
 
+@pytest.mark.parametrize("before", [[], ["inspect"], ["inspect", "a.csv"], ["arm"]])
+def test_an_argument_that_is_no_option_does_not_steer_the_terminal(before):
+    """`*` in a shell puts names of files there."""
+    found = CliRunner().invoke(app, [*before, "--a\x1b[2J\x9b2J\u202egnp"])
+    assert found.exit_code == 2
+    assert "\\u202egnp" in found.output
+    for sign in "\x1b\x9b\u202e":
+        assert sign not in found.output
+
+
 def test_the_help_lists_every_command_of_every_module():
     said = armodal("--help")
     assert said.returncode == 0
