@@ -23,13 +23,14 @@ from armodal.analyzer.own_arm.picture import points_page
 from armodal.analyzer.own_arm.plausible import doubted
 from armodal.analyzer.own_arm.readme import readme_text
 from armodal.analyzer.planning.made import MadePlan, made_plan
-from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, Equipment, load_equipment
 from armodal.tui.command_parts.arm_links import link_rows, link_table
 from armodal.tui.command_parts.arm_move import move_command
 from armodal.tui.command_parts.arm_show import show_command
+from armodal.tui.command_parts.mesh_folder import mesh_folder
 from armodal.tui.command_parts.new_folder import check_new_folder, write_new_folder
 from armodal.tui.command_parts.options import Minutes, Seed, comma_numbers
 from armodal.tui.command_parts.plan_json import made_json
@@ -160,8 +161,7 @@ def check_command(
     else:
         the_arm = load_arm(arm)
         shown_name = the_arm.name
-        home = ARMS_DIRECTORY if arm in shipped_arms() else path.parent
-        bodies = checked_bodies(the_arm, home, said)
+        bodies = checked_bodies(the_arm, None if no_meshes else mesh_folder(arm), said)
         doubted(bodies, said, total_kg=mass)
         guessed = [j.link.name for j in the_arm.joints if j.inertial_std and j.inertial_std.guessed]
     rows = link_rows(bodies, guessed)
