@@ -35,6 +35,9 @@ print(*(own.name.lower() for own in every_format()))""",
 from pkgutil import iter_modules
 from armodal.daq.front_end import drivers
 print(*(module.name for module in iter_modules(drivers.__path__)))""",
+    "add-a-source-of-joint-angles": """
+from armodal.daq.controller import controller_options
+print(*controller_options())""",
     "add-an-effect": """
 from armodal.analyzer.gap.library import hooks
 from armodal.hil_sim.effects import modules_with
@@ -59,6 +62,7 @@ OF_ALL = {
         "tests/protocols/foreign/test_any_bytes.py",
     ),
     "add-a-source-of-samples": ("tests/protocols/test_front_end.py",),
+    "add-a-source-of-joint-angles": ("tests/tui/test_bad_input.py",),
     "add-a-message": (
         "tests/protocols/test_board_table.py",
         "tests/protocols/test_board_vectors.py",
