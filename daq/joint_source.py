@@ -9,7 +9,7 @@ import math
 from typing import Protocol
 
 from armodal.daq.can_listener import CanSource
-from armodal.daq.commands import ToldPosture
+from armodal.daq.commands import StatedPosture
 from armodal.daq.joint_state import JointState
 from armodal.protocols.plan_records import PlannedPosture
 from armodal.protocols.session.records import JointReading
@@ -70,7 +70,9 @@ class JointSource(Protocol):
     def hear(self) -> None:
         """Understand what was collected."""
 
-    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
+    def take_posture(
+        self, word: StatedPosture, posture: PlannedPosture | None, now_s: float
+    ) -> str:
         """Take what a person says of the arm; return whether it was taken, in words."""
 
     def begin_posture(self) -> None:
@@ -86,7 +88,9 @@ class JointSource(Protocol):
 class MeasuredAngles(Protocol):
     """What a source does by itself that a device tells, and no person."""
 
-    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
+    def take_posture(
+        self, word: StatedPosture, posture: PlannedPosture | None, now_s: float
+    ) -> str:
         """Refuse it: what is measured is not mixed with what is told."""
         del word, posture, now_s
         return "where the arm stands is measured, and was not taken from the operator"

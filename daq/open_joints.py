@@ -9,9 +9,9 @@ from armodal.daq.clock import Clock
 from armodal.daq.controller import without_bus_options
 from armodal.daq.joint_source import CanJoints, JointSource
 from armodal.daq.joint_state import JointState
+from armodal.daq.operator_joints import OperatorSource
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.surroundings import Surroundings
-from armodal.daq.told_joints import ToldSource
 from armodal.protocols.arm.records import Arm, CanMapping
 from armodal.protocols.errors import ArmError, CanError, PlanError
 from armodal.protocols.plan_records import Plan
@@ -33,7 +33,7 @@ def open_joints(settings: AcquisitionSettings, surroundings: Surroundings) -> Jo
     """
     if settings.told_tolerance_rad is not None:
         check_told(settings.plan, settings.told_tolerance_rad)
-        return ToldSource(settings.told_tolerance_rad)
+        return OperatorSource(settings.told_tolerance_rad)
     if settings.controller is not None:
         return settings.controller.open(settings.arm)
     mapping = can_mapping(settings.arm)

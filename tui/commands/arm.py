@@ -16,7 +16,7 @@ from armodal.analyzer.own_arm.draft import (
     Draft,
     Wanted,
     draft_arm,
-    looked_at,
+    read_description,
 )
 from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.own_arm.picture import points_page
@@ -156,7 +156,7 @@ def check_command(
     path, guessed = Path(arm), []
     if path.suffix.lower() in _DESCRIBED:
         wanted = _wanted(tip, mass, None, packages, arg, no_meshes, keep_inertials=False)
-        chain, bodies, _ = looked_at(path, wanted, said)
+        chain, bodies, _ = read_description(path, wanted, said)
         shown_name = chain.name or path.stem
     else:
         the_arm = load_arm(arm)
@@ -256,7 +256,7 @@ def _gravity(mount: str | None) -> tuple[float, float, float]:
 def _asked(robot: Path, wanted: Wanted, mount: str | None) -> Wanted:
     """Ask what only the user knows: tip, mass, mounting, what to do with doubted inertials."""
     first = Remarks()
-    chain, _, doubts = looked_at(robot, wanted, first)
+    chain, _, doubts = read_description(robot, wanted, first)
     if wanted.tip is None:
         names = [part.link.name for body in chain.bodies for part in body.parts]
         typed = typer.prompt("last link of the arm", default=chain.tip, err=True)
