@@ -32,10 +32,16 @@ from armodal.analyzer.gap.records import (
     Verdict,
 )
 from armodal.analyzer.gap.search.candidates import other_candidates
+from armodal.analyzer.gap.search.hidden_size import HiddenSize
 from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
 from armodal.analyzer.gap.search.rivals import Rivals
 from armodal.analyzer.gap.search.scan import Candidate
-from armodal.analyzer.gap.stiffness_ranges import extreme_sizes, largest_size, stiffness_ranges
+from armodal.analyzer.gap.stiffness_ranges import (
+    extreme_sizes,
+    hidden_sizes,
+    largest_size,
+    stiffness_ranges,
+)
 from armodal.analyzer.gap.summary import summary_words
 from armodal.analyzer.modal.fit import fit_modes
 from armodal.analyzer.modal.modes import ModalModel
@@ -130,19 +136,16 @@ def conclude(
     measured = _measured_modes(modes_of, sharp)
     first = _foretold(sharp, before, test, named)
     last = _foretold(sharp, final, test, named) if named else first
+    sizes = hidden_sizes(stages[-2], alive[0], hiding, spread)
+    is_settled = not is_outside and not standing[1:]
+    ranges = stiffness_ranges(alive, sizes, spread, settled=is_settled)
     result = GapResult(
         verdict=verdict,
         summary=summary_words(verdict, effects, standing, misfit, left),
         effects=effects if verdict is Verdict.NAMED else (),
         rivals=_rivals(found, judged, shared),
-        hidden=_hidden(hiding, spread),
-        joint_stiffness_ranges=stiffness_ranges(
-            stages[-2],
-            alive,
-            hiding,
-            spread,
-            settled=verdict is not Verdict.OUTSIDE_LIBRARY and not standing[1:],
-        ),
+        hidden=_hidden(hiding, sizes, spread),
+        joint_stiffness_ranges=ranges,
         gap_before=_gaps(sharp, before, first, measured),
         gap_after=_gaps(sharp, final, last, measured),
         where=where,
@@ -228,8 +231,11 @@ def _rival(fit: Fit, present: Fit, best: Fit, judged: Judged, phi: float) -> Riv
     )
 
 
-def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
-    """How large each could be."""
+def _hidden(
+    hiding: Sequence[Candidate], sizes: Sequence[HiddenSize], phi: float
+) -> tuple[Hidden, ...]:
+    """How large each could be; of what hides in a joint, as far as data leave it open."""
+    told = {h.candidate.instance.key: h for h in sizes if h.candidate.instance.hides_in}
     rows = [
         Hidden(
             name=c.instance.effect.name,
@@ -237,7 +243,9 @@ def _hidden(hiding: Sequence[Candidate], phi: float) -> tuple[Hidden, ...]:
             place=c.instance.place,
             parameter=c.instance.size,
             unit=c.instance.unit,
-            largest=largest_size(c, phi),
+            largest=told[c.instance.key].at_most
+            if c.instance.key in told
+            else largest_size(c, phi),
         )
         for c in hiding
     ]

@@ -13,7 +13,7 @@ from armodal.analyzer.gap.records import StiffnessRange
 from armodal.analyzer.gap.search.hidden_size import HiddenSize
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["extreme_sizes", "largest_size", "stiffness_ranges"]
+__all__ = ["extreme_sizes", "hidden_sizes", "largest_size", "stiffness_ranges"]
 
 _WIDEST = 0.7  # of ln k
 _FEW_STEPS = 3
@@ -39,33 +39,45 @@ def extreme_sizes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, 
     return (largest,) if one_sided else (largest, -largest)
 
 
+def hidden_sizes(
+    stage: Stage, best: Fit, hiding: Sequence[Candidate], phi: float
+) -> list[HiddenSize]:
+    """Return what could hide beside the best model, either way, not yet held against the data.
+
+    Fewer lines than the sharp ones tell less, and at half the cost.
+    """
+    known = {instance.key for instance in best.hypothesis.instances}
+    there = fit_hypothesis(
+        stage, best.hypothesis, resumed=best, max_iterations=_FEW_STEPS, closing=False
+    )
+    return [
+        HiddenSize(stage, there, c, limit, phi)
+        for c in hiding
+        if c.instance.key not in known
+        for limit in _limits(c, best, phi)
+    ]
+
+
+def _limits(candidate: Candidate, best: Fit, phi: float) -> tuple[float, ...]:
+    """95 % limits of a hidden size: by the linear look, by its prior where that is blind."""
+    instance = candidate.instance
+    if instance.hides_in:
+        return tuple(ONE_SIDED_95 * p.std for p in instance.parameters if p.name == instance.size)
+    return extreme_sizes(candidate, best, phi)
+
+
 def stiffness_ranges(
-    stage: Stage,
-    alive: Sequence[Fit],
-    hiding: Sequence[Candidate],
-    phi: float,
-    *,
-    settled: bool,
+    alive: Sequence[Fit], sizes: Sequence[HiddenSize], phi: float, *, settled: bool
 ) -> tuple[StiffnessRange, ...]:
     """Return what all models that stand and all that could hide leave of every stiffness, 95 %.
 
     An effect that nobody would see can still stand for a part of a joint's stiffness: a servo
-    behind the transmission does. The value is the best model's; where it is not settled which
-    model is right, its deviation is that of the range.
+    behind the transmission does. What of `sizes` matters is held against the data. The value is the
+    best model's; where it is not settled which model is right, its deviation is that of the range.
     """
     best = alive[0]
-    known = {instance.key for instance in best.hypothesis.instances}
-    hiding = [candidate for candidate in hiding if candidate.instance.key not in known]
+    hiding = list({h.candidate.instance.key: h.candidate for h in sizes}.values())
     rows = []
-    # Fewer lines than the sharp ones tell less, and at half the cost.
-    there = fit_hypothesis(
-        stage, best.hypothesis, resumed=best, max_iterations=_FEW_STEPS, closing=False
-    )
-    sizes = [
-        HiddenSize(stage, there, c, linear, phi)
-        for c in hiding
-        for linear in extreme_sizes(c, best, phi)
-    ]
     for i in best.hypothesis.ordinary.elastic:
         joint = best.hypothesis.ordinary.arm.joints[i].name
         name = f"ln k {joint}"
@@ -77,7 +89,8 @@ def stiffness_ranges(
         high = max(f.high + r for f, r in zip(found, moved, strict=True))
         for side in (-1.0, 1.0):
             # Both are rarely at their limits at once: variances add.
-            end = found[0].value + side * float(np.hypot(_most(sizes, name, side, half), half))
+            most = _most(sizes, name, side, half, k)
+            end = found[0].value + side * float(np.hypot(most, half))
             low, high = min(low, end), max(high, end)
         std = found[0].std if settled else max(found[0].std, (high - low) / (2.0 * TWO_SIDED_95))
         std = float(np.hypot(std, _left_open(hiding, best, name, phi)))
@@ -93,26 +106,30 @@ def stiffness_ranges(
     return tuple(rows)
 
 
-def _most(sizes: Sequence[HiddenSize], name: str, side: float, half: float) -> float:
-    """How far hidden effects may move a parameter to one side.
+def _most(sizes: Sequence[HiddenSize], name: str, side: float, half: float, k: float) -> float:
+    """How far hidden effects may move ln k of a joint, of which k is the best, to one side.
 
     What moves it by more than its own interval's `half` is held against the data, the farthest
     first: when that is known, nothing nearer matters.
     """
 
     def shift(hidden: HiddenSize, size: float) -> float:
+        if hidden.candidate.instance.hides_in == name:
+            # What is left to the joint of a compliance that stays as it was measured.
+            along = side * -np.log(max(1.0 - size * k, np.exp(-_WIDEST)))
+        else:
+            along = side * hidden.candidate.follow.get(name, 0.0) * size
         # Beyond a factor of two the linear look says nothing but "very wide".
-        along = side * hidden.candidate.follow.get(name, 0.0) * size
         return float(np.clip(along, 0.0, _WIDEST))
 
-    open_ended = [hidden for hidden in sizes if shift(hidden, hidden.linear) > half]
-    least = max((shift(h, h.linear) for h in sizes if h not in open_ended), default=0.0)
+    open_ended = [hidden for hidden in sizes if shift(hidden, hidden.limit) > half]
+    least = max((shift(h, h.limit) for h in sizes if h not in open_ended), default=0.0)
     while open_ended:
         farthest = max(open_ended, key=lambda h: (shift(h, h.at_most), h.is_known))
         if farthest.is_known or shift(farthest, farthest.at_most) <= least:
             least = max(least, shift(farthest, farthest.at_most))
             break
-        farthest.hold_against_data()
+        farthest.hold_against_data(farthest.limit * half / shift(farthest, farthest.limit))
     return least
 
 

@@ -187,9 +187,9 @@ def _search(
     calibrations = Calibrations(limits.false_name)
     while True:
         rounds += 1
-        needs_more = partial(calibrations.needs_more, stages[-1])
+        worth = calibrations.on(stages[-1])
         found = find_rivals(
-            stages, present, needs_more, start=start, fitted=fitted, without=without, tell=tell
+            stages, present, worth, start=start, fitted=fitted, without=without, tell=tell
         )
         before = before or found.present
         tell("replicas of the session")

@@ -23,8 +23,10 @@ from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per
 from armodal.analyzer.gap.records import Calibrated
 from armodal.analyzer.gap.search.candidates import others_beside
 from armodal.analyzer.gap.search.replicas import replica_gains
+from armodal.analyzer.gap.search.rivals import PATIENCE
+from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate"]
+__all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "WorthByReplicas", "calibrate"]
 
 Array = npt.NDArray[np.float64]
 
@@ -131,6 +133,7 @@ class Calibrations:
     def __init__(self, false_name: float) -> None:
         self.false_name = false_name
         self._last: tuple[Stage, Fit, Fit, Calibration] | None = None
+        self._last_left: tuple[Stage, Fit, bool] | None = None
 
     def of(self, stage: Stage, present: Fit, rivals: Sequence[Fit]) -> Calibration:
         """Return the limits for rivals of a model."""
@@ -141,15 +144,46 @@ class Calibrations:
             last = self._last = stage, present, best, found
         return last[3]
 
-    def needs_more(self, stage: Stage, present: Fit, begun: Sequence[Fit]) -> bool:
+    def is_much_left(self, stage: Stage, present: Fit) -> bool:
+        """Whether a model leaves more than half of its replicas do."""
+        last = self._last_left
+        if last is None or last[0] is not stage or last[1] is not present:
+            left = misfit_per_line(stage, present) > misfit_of_replicas(stage, present, _HALF)
+            last = self._last_left = stage, present, left
+        return last[2]
+
+    def on(self, stage: Stage) -> WorthByReplicas:
+        """Return what is worth its time on the sharp lines."""
+        return WorthByReplicas(self, stage)
+
+
+@dataclass(frozen=True, slots=True)
+class WorthByReplicas:
+    """What of a search is worth its time, on the sharp lines."""
+
+    calibrations: Calibrations
+    stage: Stage
+
+    def is_in_reach(self, present: Fit, candidate: Candidate) -> bool:
+        """Whether a fit may bring a candidate to its kind's limit, or more is left than chance has.
+
+        A fit is not linear, but brings no more than a few times what a linear look promises where
+        little is left.
+        """
+        if self.calibrations.is_much_left(self.stage, present):
+            return True
+        limits = self.calibrations.of(self.stage, present, ())
+        return PATIENCE * candidate.gain > limits.limit(candidate.instance.effect.name)
+
+    def needs_more(self, present: Fit, begun: Sequence[Fit]) -> bool:
         """Whether anything is to be explained.
 
         What matters and has its limit in reach, a misfit that half of the replicas do not leave, or
         errors that no right model has.
         """
-        if misfit_per_line(stage, present) > misfit_of_replicas(stage, present, _HALF):
+        if self.calibrations.is_much_left(self.stage, present):
             return True
-        limits = self.of(stage, present, begun)
+        limits = self.calibrations.of(self.stage, present, begun)
         if limits.is_model_wrong:
             return True
         return any(

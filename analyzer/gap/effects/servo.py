@@ -121,6 +121,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 initial_values=starts,
                 size=soft,
                 shapes=(inertia,),
+                hides_in=f"ln k {joint}",
                 material=_MATERIAL * gamma,
             )
         )

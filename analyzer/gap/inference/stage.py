@@ -16,10 +16,18 @@ from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.mounting_errors import mounting_error_columns
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.space import Space
-from armodal.analyzer.gap.model.weigh import Discrepancy, Quadratic, Weighing, costs_of, summed
+from armodal.analyzer.gap.model.weigh import (
+    Discrepancy,
+    Quadratic,
+    Weighing,
+    costs_of,
+    sloped,
+    summed,
+)
 
 __all__ = ["Stage", "models_of"]
 
+Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
@@ -133,6 +141,32 @@ class Stage:
             cost_of |= dict(zip(own, costs, strict=True))
         each = tuple(cost_of[p] for p in postures)
         return Quadratic(cost=sum(each), gradient=gradient, curvature=curvature), each
+
+    def slope_about(
+        self,
+        about: tuple[Hypothesis, Space, Mapping[str, float]],
+        hypothesis: Hypothesis,
+        values: Mapping[str, float],
+    ) -> tuple[float, Array]:
+        """Misfit of a hypothesis, and its slope (n,) along another one's parameters elsewhere.
+
+        Its own slope would be that of derivatives there; those near by cost a quarter and tell as
+        well whether ordinary parameters can follow.
+
+        Parameters
+        ----------
+        about
+            A hypothesis, its space and values: where the derivatives are taken, which are kept.
+        """
+        cost, gradient = 0.0, np.zeros(len(about[1]))
+        for rows, together in self.once(hypothesis, range(len(self.lines))):
+            near = together.columns(*about)
+            y = together.response(hypothesis, values).values
+            own, at = zip(*rows, strict=True)
+            part, along = sloped([self.weighings[p] for p in own], y, near, at)
+            cost += part
+            gradient += along
+        return cost, gradient
 
     def once(
         self, hypothesis: Hypothesis, postures: Sequence[int]

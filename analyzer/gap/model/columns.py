@@ -19,7 +19,7 @@ class Columns:
     """Derivatives by n parameters; those that act on one mounting alone stand apart.
 
     A quarter of all parameters are places of points: kept as whole columns they would be a quarter
-    of the work and nearly all zero.
+    of the work and nearly all zero. Of parameters that are in neither all derivatives are zero.
     """
 
     n: int

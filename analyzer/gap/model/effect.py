@@ -119,6 +119,8 @@ class Instance:
     # By ordinary parameter: what else it may be, either way, per unit of an own one.
     reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
+    # ln k of the joint whose compliance it is a part of, as long as nothing else of it is seen.
+    hides_in: str = ""
     last: bool = False  # built after the others: reads every coordinate they bring
     is_term: bool = False  # of the equations, though it only widens priors
     level_dependent: bool = False  # soft and hard hits of a posture are answered otherwise

@@ -148,9 +148,8 @@ class Postures:
         own_rows = np.moveaxis(np.vectorize(space.index.__getitem__)(names), -1, 0)
         rows = np.setdiff1d(np.arange(len(space)), own_rows)
         shared = np.empty((len(rows), *y.shape), dtype=posed.found.x.dtype)
-        row_of = dict(zip(rows.tolist(), range(len(rows)), strict=True))
-        at = {name: row_of[i] for name, i in space.index.items() if i in row_of}
-        idle = set(range(len(rows)))
+        among = set(rows.tolist())
+        slot_of: dict[int, int] = {}  # in the order in which parameters are first met
         for name, derivative in chain(
             posed.by_joints(),
             posed.by_compliances(),
@@ -164,22 +163,25 @@ class Postures:
             posed.by_laws(),
             posed.by_differences(space),
         ):
-            if name not in at:
+            row = space.index.get(name, -1)
+            if row not in among:
                 continue
-            i = at[name]
-            if i in idle:
-                np.multiply(derivative, std[rows[i]], out=shared[i], casting="same_kind")
-                idle.remove(i)
+            if row in slot_of:
+                shared[slot_of[row]] += derivative * std[row]
             else:
-                shared[i] += derivative * std[rows[i]]
-        shared[list(idle)] = 0.0
+                slot = slot_of[row] = len(slot_of)
+                np.multiply(derivative, std[row], out=shared[slot], casting="same_kind")
         for p, name, own in chain(posed.by_aims(), posed.by_hit_places()):
-            if name in at:
-                shared[at[name], p] += own * std[rows[at[name]]]
+            row = space.index.get(name, -1)
+            if row in among:
+                if row not in slot_of:
+                    slot_of[row] = len(slot_of)
+                    shared[slot_of[row]] = 0.0
+                shared[slot_of[row], p] += own * std[row]
         return Columns(
             n=len(space),
-            rows=rows,
-            shared=shared,
+            rows=np.fromiter(slot_of, dtype=np.int64),
+            shared=shared[: len(slot_of)],
             own_rows=own_rows,
             own=shifts * std[own_rows][..., None, None],
         )

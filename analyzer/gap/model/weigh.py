@@ -218,6 +218,59 @@ def summed(
     -------
     The sum over the measurements, and the cost of each.
     """
+    left = _left(weighings, y, at, columns, y)
+    gradient, curvature = _products(columns, left.root, left.slopes, left.pull, left.errors)
+    whole = Quadratic(
+        cost=float(left.costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
+    )
+    return whole, left.costs.tolist()
+
+
+def sloped(
+    weighings: Sequence[Weighing],
+    y: ComplexArray,
+    about: tuple[ComplexArray, Columns],
+    at: Sequence[int],
+) -> tuple[float, Array]:
+    """Misfit of predictions and its slope (n,) along columns of others, in single precision.
+
+    Parameters
+    ----------
+    about
+        Predictions (P, m, 3, L) near by and their derivatives, as of `summed`. Mounting errors are
+        those there, so that slope and their curvature belong together.
+    """
+    beside, columns = about
+    left = _left(weighings, y, at, columns, beside)
+    along = np.matmul(left.slopes.reshape(len(left.errors), 1, -1), left.errors)[:, 0]
+    along = (along - left.pull.reshape(along.shape)).reshape(*y.shape[:3], -1)
+    along = (along * np.repeat(left.root, 2, axis=-1)).astype(columns.shared.real.dtype)
+    gradient = np.zeros(columns.n)
+    shared, own = (_stacked(of) for of in (columns.shared, columns.own))
+    gradient[columns.rows] = shared.reshape(len(shared), -1) @ along.reshape(-1)
+    np.add.at(gradient, columns.own_rows, np.einsum("jpmcl,pmcl->jpm", own, along))
+    return float(left.costs.sum()), gradient
+
+
+@dataclass(frozen=True, slots=True)
+class _Left:
+    """What predictions leave of measurements, and what mounting errors make of it."""
+
+    root: Array  # (P, m, 3, L) of the weights
+    slopes: Array  # (P m 3 t k,) products of mounting errors with the residual
+    pull: Array  # (P m 3 2L,) the residual
+    errors: Array  # (P m 3, t k, 2L) normed columns of the mountings' errors
+    costs: Array  # (measurements,)
+
+
+def _left(
+    weighings: Sequence[Weighing],
+    y: ComplexArray,
+    at: Sequence[int],
+    columns: Columns,
+    errors_of: ComplexArray,
+) -> _Left:
+    """`errors_of` (P, m, 3, L) are the predictions that mounting errors are products of."""
     P, m, _, L = y.shape
     # A prediction's derivatives have the root of all its weights, of which each measurement has a
     # part: one product serves soft and hard hits.
@@ -234,17 +287,14 @@ def summed(
     for number, turn in enumerate(turns):
         rows = [at[k] for k in turn]
         own = [weighings[k] for k in turn]
-        scale, r, N, Nr, costs[turn] = _measured(own, y[rows])
+        scale, r, N, Nr, costs[turn] = _measured(own, y[rows], errors_of[rows])
         part = np.repeat(scale / root[rows].reshape(-1, 3, L), 2, axis=-1)
         errors[rows, :, :, number] = (part[:, :, None] * N).reshape(-1, m, 3, k, 2 * L)
         slopes[rows, :, :, number] = Nr.reshape(-1, m, 3, k)
         pull[rows] += (part * r).reshape(-1, m, 3, 2 * L)
-    left = slopes.reshape(-1), pull.reshape(-1), errors.reshape(P * m * 3, -1, 2 * L)
-    gradient, curvature = _products(columns, root, *left)
-    whole = Quadratic(
-        cost=float(costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
+    return _Left(
+        root, slopes.reshape(-1), pull.reshape(-1), errors.reshape(P * m * 3, -1, 2 * L), costs
     )
-    return whole, costs.tolist()
 
 
 def _products(
@@ -263,13 +313,16 @@ def _products(
     errors
         (P m 3, k, 2L) normed columns of the mountings' errors.
     """
+    weights = np.repeat(root, 2, axis=-1).reshape(len(errors), 1, -1)
+    weighed_errors = (errors * weights).astype(errors.dtype).swapaxes(-1, -2)
+    flat_weights = weights.reshape(-1)
 
     def weighed(dy: ComplexArray) -> tuple[Array, Array]:
         """(j, P m 3 2L) derivatives and (j, P m 3 k) their products with the mounting errors."""
-        J = _stacked(dy * root.astype(dy.real.dtype)).reshape(len(dy), *errors.shape[::2])
-        by_errors = np.matmul(J.swapaxes(0, 1), errors.swapaxes(-1, -2)).swapaxes(0, 1)
-        flat, flat_errors = (of.reshape(len(dy), -1).astype(np.float64) for of in (J, by_errors))
-        return flat, flat_errors
+        J = _stacked(dy).reshape(len(dy), *errors.shape[::2])
+        by_errors = np.matmul(J.swapaxes(0, 1), weighed_errors).swapaxes(0, 1)
+        flat_errors = by_errors.reshape(len(dy), -1).astype(np.float64)
+        return J.reshape(len(dy), -1) * flat_weights, flat_errors
 
     gradient, curvature = np.zeros(columns.n), np.zeros((columns.n, columns.n))
     J, E = weighed(columns.shared)
@@ -295,14 +348,16 @@ def _products(
 
 def costs_of(weighings: Sequence[Weighing], y: ComplexArray) -> list[float]:
     """chi^2 / 2 of lines alike, all at once: each measurement's prediction, y (P, m, 3, L)."""
-    *_, costs = _measured(weighings, y)
+    *_, costs = _measured(weighings, y, y)
     return [float(cost) for cost in costs]
 
 
 def _measured(
-    weighings: Sequence[Weighing], y: ComplexArray
+    weighings: Sequence[Weighing], y: ComplexArray, errors_of: ComplexArray
 ) -> tuple[Array, Array, Array, Array, Array]:
     """Measurements of lines alike beside their predictions (P, m, 3, L).
+
+    `errors_of`: as of `_left`.
 
     Returns
     -------
@@ -320,7 +375,8 @@ def _measured(
         )
     )
     r = _stacked((values - there) * scale)
-    N = _nuisance(scale, prior, places, there).swapaxes(-1, -2)
+    beside = errors_of.reshape(there.shape)
+    N = _nuisance(scale, prior, places, beside).swapaxes(-1, -2)
     N = np.matmul(_root_of_inverse(N), N)
     Nr = np.matmul(N, r[..., None])[..., 0]
     by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * Nr, axis=-1)

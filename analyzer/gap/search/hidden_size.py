@@ -1,8 +1,9 @@
-"""How large a hidden effect may be: a linear look's largest size, held against the data.
+"""How large a hidden effect may be: the largest size believed, held against the data.
 
 A linear look about no size at all takes an effect's first bit for the whole of it. A servo behind
 a joint softens it at first and nothing else; a large one brings its rotor's own freedom with it,
-which everybody would see.
+which everybody would see. One that is only soft, its rotor beyond the lines, nobody sees: that look
+tells no limit of it.
 """
 
 from __future__ import annotations
@@ -18,44 +19,51 @@ from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["HiddenSize"]
 
-_TRIALS = 4  # each of half the size
-
 
 class HiddenSize:
-    """How large a hidden effect may be: as a linear look says, until it is held against data.
+    """How large a hidden effect may be: at most a limit of its size, until held against data.
 
-    Then it is the least of that size's halves that the data speak against, if they do. What they
+    Then it is the least of that limit's halves that the data speak against, if they do. What they
     leave room for lies below, by less than half: a range is rather too wide than too narrow.
 
     Parameters
     ----------
     stage, final
         Lines, and the final model fitted to them.
-    linear
-        Size by a linear look, at its 95 % limit.
+    limit
+        Of its size, at 95 %: by a linear look, or by its prior where such a look is blind.
     inflation
         Of the data's variance.
     """
 
     def __init__(
-        self, stage: Stage, final: Fit, candidate: Candidate, linear: float, inflation: float
+        self, stage: Stage, final: Fit, candidate: Candidate, limit: float, inflation: float
     ) -> None:
-        self.candidate, self.linear = candidate, linear
+        self.candidate, self.limit = candidate, limit
         self._stage, self._final, self._inflation = stage, final, inflation
-        self.at_most = linear
+        self.at_most = limit
         # An ordinary error with a wider prior is in the model already.
         self.is_known = not candidate.instance.parameters
 
-    def hold_against_data(self) -> None:
-        """Hold it against the data, the smallest size first: that is the soonest fitted."""
+    def hold_against_data(self, least: float) -> None:
+        """Hold it against the data, by bisection over halves of the limit down to a least size.
+
+        What leaves no room at one size leaves none at twice it.
+        """
         self.is_known = True
-        if self._has_room(self.linear, steps=0):
+        if self._has_room(self.limit, steps=0):
             return
-        for halves in reversed(range(_TRIALS)):
-            size = self.linear / 2.0**halves
-            if not self._has_room(size, steps=STEPS):
-                self.at_most = size
-                return
+        halves = max(int(np.ceil(np.log2(abs(self.limit) / least))), 1)
+        sizes = [self.limit / 2.0**k for k in reversed(range(halves))]
+        with_room, without = 0, len(sizes)
+        while with_room < without:
+            middle = (with_room + without) // 2
+            if self._has_room(sizes[middle], steps=STEPS):
+                with_room = middle + 1
+            else:
+                without = middle
+        if without < len(sizes):
+            self.at_most = sizes[without]
 
     def _has_room(self, size: float, steps: int) -> bool:
         """Whether a model with the effect at that size costs hardly more."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 from armodal.analyzer.gap.inference.fit import (
     Fit,
@@ -20,7 +21,7 @@ from armodal.analyzer.gap.inference.fit import (
     fit_hypothesis,
 )
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.beginnings import promising_beginnings
+from armodal.analyzer.gap.search.beginnings import LEADING, promising_beginnings
 from armodal.analyzer.gap.search.candidates import (
     all_candidates,
     goes_with,
@@ -33,7 +34,6 @@ from armodal.analyzer.gap.search.scan import Candidate
 __all__ = ["LOOK", "PATIENCE", "STEPS", "Rivals", "annealed", "find_rivals"]
 
 _KEPT = 28  # candidates fitted on the widest lines; on each sharper stage half as many
-_LEADING = 2  # of each stage, whose alternatives are fitted beside them
 LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
 _LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
@@ -43,7 +43,18 @@ STEPS, MOST_STEPS = 3, 28  # of a fit until it is asked whether to go on, and in
 PATIENCE, _BESIDE = 3.0, 25.0
 
 Progress = Callable[[str], None]
-NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
+
+
+class Worth(Protocol):
+    """What of a search is worth its time."""
+
+    def is_in_reach(self, present: Fit, candidate: Candidate) -> bool:
+        """Whether a fit about the present one may bring a candidate to where it counts."""
+        ...
+
+    def needs_more(self, present: Fit, begun: Sequence[Fit]) -> bool:
+        """Whether anything is to be explained, by the first steps of what promises most."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +84,7 @@ class Rivals:
 def find_rivals(
     stages: Sequence[Stage],
     present: Hypothesis,
-    needs_more: NeedsMore,
+    worth: Worth,
     *,
     start: Mapping[str, float] | None = None,
     fitted: Fit | None = None,
@@ -87,9 +98,9 @@ def find_rivals(
     ----------
     stages
         Widest, broad, middle and sharp lines of the same postures.
-    needs_more
-        Whether a search that begins where nothing is fitted yet is worth its time, by the present
-        fit and the first steps of what promises most beside it.
+    worth
+        Whether a candidate is fitted at all about the present fit, and whether a search that begins
+        where nothing is fitted yet follows.
     start
         Where its effects begin.
     fitted
@@ -113,10 +124,10 @@ def find_rivals(
     looked = all_candidates(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
-    promising = [c for c in looked if c.gain > LOOK][: _kept(len(stages) - 2)]
-    near = [_begun(sharp, base[-1], c, start) for c in promising]
+    promising = [c for c in looked if c.gain > LOOK and worth.is_in_reach(base[-1], c)]
+    near = [_begun(sharp, base[-1], c, start) for c in promising[: _kept(len(stages) - 2)]]
     finals = _hopeful([*near, *_from_beginnings(stages[-2:], base[-2], without)])
-    if needs_more(base[-1], finals):
+    if worth.needs_more(base[-1], finals):
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
             anew = annealed(stages, present, _only_effects(present, start))[-1]
@@ -124,7 +135,7 @@ def find_rivals(
                 return find_rivals(
                     stages,
                     present,
-                    needs_more,
+                    worth,
                     start=start,
                     fitted=anew,
                     without=without,
@@ -132,7 +143,7 @@ def find_rivals(
                     afresh=False,
                 )
         finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
-        finals = [*finals, *_alternatives(sharp, finals[:_LEADING])]
+        finals = [*finals, *_alternatives(sharp, finals[:LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
         finals = [*finals, *fitted_laws(sharp, base[-1], leading, STEPS, tell)]
         finals = _one_each([f for f in finals if f.last.key not in without])
@@ -193,7 +204,7 @@ def _far(
         [_begun(widest, unfitted, c, begin, also=about) for about, c in _chosen(pool, _KEPT)]
     )
     for number, stage in enumerate(stages[1:], 1):
-        fits = [*fits, *_alternatives(stages[number - 1], fits[:_LEADING])]
+        fits = [*fits, *_alternatives(stages[number - 1], fits[:LEADING])]
         fits = _hopeful([f for f in fits if f.last.key not in without])[: _kept(number)]
         if not fits:
             return []
@@ -210,10 +221,10 @@ def _from_beginnings(
     instances = [i for i in others_beside(base) if i.key not in without]
     looked = promising_beginnings(middle, base, instances)
     near: list[Fit] = []
-    for instance, beginnings in looked[:_LEADING]:
+    for instance, beginnings in looked[:LEADING]:
         richer = replace(base.hypothesis, instances=(*base.hypothesis.instances, instance))
         # What promises most may lead back to none, and the next one not.
-        begun = [begin for gain, begin in beginnings[:_LEADING] if gain > LOOK]
+        begun = [begin for gain, begin in beginnings[:LEADING] if gain > LOOK]
         near += [fit_hypothesis(middle, richer, start=begin) for begin in begun]
     return [
         fit_hypothesis(sharp, fit.hypothesis, start=fit.values, max_iterations=STEPS)

@@ -13,6 +13,7 @@ from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search.replicas import Gains
+from armodal.analyzer.gap.search.scan import Candidate
 
 KINDS = {"much": 40.0, "some": 12.0, "little": 8.0}  # nats, scale of what chance brings
 
@@ -127,7 +128,28 @@ def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
     monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: leaves)
     present = made_fit(Hypothesis(ordinary=None), cost=100.0)
     begun = [with_effect(100.0 - gain, size=size)]
-    assert Calibrations(0.01).needs_more(None, present, begun) == wanted
+    assert Calibrations(0.01).on(None).needs_more(present, begun) == wanted
+
+
+@pytest.mark.parametrize(
+    ("gain", "leaves", "wanted"),
+    [
+        (14.0, 9.0, True),  # three times as much is beyond its limit of 40
+        (12.0, 9.0, False),
+        (12.0, 1.0, True),  # more is left than half of the replicas leave
+    ],
+)
+def test_what_cannot_come_to_its_limit_is_not_fitted_where_little_is_left(
+    gain, leaves, wanted, monkeypatch
+):
+    limits = made_calibration(limits={"much": 40.0})
+    monkeypatch.setattr(calibration, "calibrate", lambda *_: limits)
+    monkeypatch.setattr(calibration, "misfit_per_line", lambda *_: 2.0)
+    monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: leaves)
+    present = made_fit(Hypothesis(ordinary=None), cost=100.0)
+    own = Instance(effect=SimpleNamespace(name="much"), place="")
+    worth = Calibrations(0.01).on(None)
+    assert worth.is_in_reach(present, Candidate(instance=own, gain=gain)) == wanted
 
 
 def test_a_model_is_calibrated_anew_only_where_another_is_best(monkeypatch):

@@ -40,10 +40,8 @@ def fits_from_the_start_end_lower(monkeypatch):
 def test_what_a_stuck_fit_leaves_is_sought_from_the_start_before_in_other_effects(
     needs_more, present
 ):
-    def more(base, _begun):
-        return needs_more and base is STUCK
-
-    found = find_rivals(STAGES, NAMED, more, start={}, fitted=STUCK)
+    worth = SimpleNamespace(needs_more=lambda base, _begun: needs_more and base is STUCK)
+    found = find_rivals(STAGES, NAMED, worth, start={}, fitted=STUCK)
     assert found.present is present
 
 
@@ -69,7 +67,8 @@ def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
     monkeypatch.setattr(rivals, "others_beside", lambda _: [])
-    find_rivals(STAGES, NAMED, lambda *_: False, start={})
+    worth = SimpleNamespace(is_in_reach=lambda *_: True, needs_more=lambda *_: False)
+    find_rivals(STAGES, NAMED, worth, start={})
     sizes = [values["soft"] for values in tried["soft"] if "soft" in values]
     assert min(sizes) < soft.std
     assert max(sizes) >= 2.0 * soft.std  # a normal prior is rarely beyond

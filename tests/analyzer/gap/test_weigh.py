@@ -5,7 +5,7 @@ import pytest
 
 from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.lines import PostureLines
-from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing, costs_of, summed
+from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing, costs_of, sloped, summed
 from armodal.protocols.arm.files import load_arm
 
 
@@ -123,6 +123,9 @@ def test_what_acts_on_single_mountings_counts_as_whole_columns_do():
     assert costs == same_costs
     np.testing.assert_allclose(parted.gradient, whole.gradient, rtol=1e-10)
     np.testing.assert_allclose(parted.curvature, whole.curvature, rtol=1e-10)
+    cost, gradient = sloped(weighings, y, (y, columns), [0, 1, 2])
+    assert cost == pytest.approx(whole.cost, rel=1e-12)
+    np.testing.assert_allclose(gradient, whole.gradient, rtol=1e-10)
 
 
 def test_a_turned_mounting_costs_little_and_a_flipped_axis_much(setup):
