@@ -129,7 +129,8 @@ def _most(sizes: Sequence[HiddenSize], name: str, side: float, half: float, k: f
         if farthest.is_known or shift(farthest, farthest.at_most) <= least:
             least = max(least, shift(farthest, farthest.at_most))
             break
-        farthest.hold_against_data(farthest.limit * half / shift(farthest, farthest.limit))
+        own = farthest.candidate.instance.hides_in == name
+        farthest.hold_against_data(half / (k if own else abs(farthest.candidate.follow[name])))
     return least
 
 

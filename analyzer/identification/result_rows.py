@@ -191,8 +191,8 @@ def fit_notes(
     if unexplained:
         notes.append(
             f"the model leaves more than {UNEXPLAINED:.0%} of the motion unexplained "
-            f"({', '.join(unexplained)}): it lacks an effect, or masses and places are off, and its "
-            "stiffnesses may be off by more than their deviations until `armodal gap` tells which"
+            f"({', '.join(unexplained)}): it lacks an effect, or masses and places are off, and "
+            "its stiffnesses may be off by more than their deviations; `armodal gap` tells which"
         )
     poorly = [
         name

@@ -51,6 +51,8 @@ class HiddenSize:
         What leaves no room at one size leaves none at twice it.
         """
         self.is_known = True
+        if not np.isfinite(self.limit):  # nothing tells how large it is
+            return
         if self._has_room(self.limit, steps=0):
             return
         halves = max(int(np.ceil(np.log2(abs(self.limit) / least))), 1)

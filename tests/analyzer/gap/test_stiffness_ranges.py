@@ -11,6 +11,7 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
+from armodal.analyzer.gap.search.hidden_size import HiddenSize
 from armodal.analyzer.gap.search.scan import scan_instances
 from armodal.analyzer.gap.stiffness_ranges import hidden_sizes, largest_size, stiffness_ranges
 
@@ -77,3 +78,18 @@ def test_a_drive_that_would_bring_its_rotor_s_resonance_does_not_widen_the_range
     believed = next(p.std for p in servo.parameters if p.name == servo.size)
     assert own.low < np.exp(values[f"ln k {JOINT}"]) < own.high
     assert at_most < believed
+
+
+def test_what_may_go_either_way_is_held_against_the_data_on_both_sides(superset, ordinary, lines):
+    plain = Hypothesis(ordinary=ordinary)
+    stage = measured(superset, lines, plain, start_of(plain))
+    coupling = instance_of(ordinary, "coupling")
+    present = fit_hypothesis(stage, plain, max_iterations=28)
+    (candidate,) = scan_instances(stage, present, [coupling])
+    limits = [20.0 * largest_size(candidate, 1.0), -20.0 * largest_size(candidate, 1.0)]
+    sizes = [HiddenSize(stage, present, candidate, limit, 1.0) for limit in limits]
+    for hidden in sizes:
+        hidden.hold_against_data(abs(hidden.limit) / 100.0)
+    # Twenty times what a linear look leaves room for is more than the data do.
+    assert 0.0 < sizes[0].at_most < limits[0]
+    assert limits[1] < sizes[1].at_most < 0.0
