@@ -133,8 +133,8 @@ static ab_code tell_status(const ab_board *board, uint8_t *answer)
     return AB_OK;
 }
 
-/* Do what a command asks. A refusal writes its reason; what answers with a record writes it at
-   `answer`. The switch is the only list of commands here: all else is in the table of messages. */
+/* Do what a command asks; the only list of commands here, all else is in the table of messages.
+   A refusal writes its reason; what answers with a record writes it at `answer`. */
 static ab_code carry_out(ab_board *board, const ab_header *header, const uint8_t *payload,
                          size_t n, uint8_t *answer, ab_text *reason)
 {
