@@ -26,7 +26,6 @@ _K = "stiffness "
 _INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m"}  # a compliance is read as a stiffness
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
 _ALMOST_SURE = 0.999
-_HARDLY_EVER = 1e-4  # far beyond the replicas: their tail's form is assumed
 
 
 def effect_sentence(effect: EffectFound) -> str:
@@ -174,8 +173,6 @@ def chance(probability: float | None) -> str:
     """Return how often a session without any effect would look as clear, in words."""
     if probability is None:
         return "not known"
-    if probability < _HARDLY_EVER:
-        return f"below {100.0 * _HARDLY_EVER:g} %"
     percent = 100.0 * probability
     return f"{percent:.2g} %" if percent < 10.0 else f"{percent:.0f} %"
 

@@ -8,6 +8,7 @@ effect beyond its limit.
 References
 ----------
 Westfall and Young, Resampling-Based Multiple Testing (1993), chapter 2: the least p.
+Davison and Hinkley, Bootstrap Methods and their Application (1997), section 4.2.
 """
 
 from __future__ import annotations
@@ -89,11 +90,16 @@ class Calibration:
         return max(self.whole.limit(self.false_name), self.apart)
 
     def p_value(self, name: str, gain: float) -> float:
-        """Probability that any effect of the library would look as clear by chance."""
+        """Probability that any effect of the library would look as clear by chance.
+
+        Not below what one replica more than all could change (Davison and Hinkley, equation 4.11).
+        """
+        least = 1.0 / (self.n_replicas + 1)
         if name not in self.tails:
-            return self.whole.p_value(gain)
+            return max(self.whole.p_value(gain), least)
         # As many kinds as the replicas say tell independently.
-        return min(1.0, self.tails[name].p_value(gain) * self.false_name / self.least_p)
+        p = self.tails[name].p_value(gain) * self.false_name / self.least_p
+        return min(1.0, max(p, least))
 
     def odds(self, behind: float) -> float:
         """Odds of what is so many nats behind over what it is behind of."""
