@@ -24,7 +24,7 @@ from support.held_up import StallWatch
 from support.reach_plan import reach_plan
 from support.source_devices import RATE_HZ, SOURCES
 
-from armodal.daq.commands import Ready, Stop, ToldPosture
+from armodal.daq.commands import Ready, StatedPosture, Stop
 from armodal.daq.events import Failed, Finished, HitJudged, LossNoted, Prompted
 from armodal.daq.process import start_process
 from armodal.daq.session_machine import PromptKind
@@ -59,7 +59,7 @@ def main(seconds: float, name: str) -> None:
             ends = len(hits) * EVERY_S >= seconds  # then nothing is answered any more
             if isinstance(event, Prompted) and not ends:
                 if event.prompt.kind is PromptKind.POSTURE:
-                    acquisition.channel.send(ToldPosture())
+                    acquisition.channel.send(StatedPosture())
                 elif event.prompt.kind is PromptKind.POINT:
                     acquisition.channel.send(Ready())
             elif isinstance(event, HitJudged):

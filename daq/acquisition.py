@@ -193,6 +193,8 @@ def _run(
         )
     )
     _note_sensors(loop, board, clock)
+    for said in board.notes:
+        loop.note(said, clock.now_s())
     for said in contradicted:
         loop.note(f"{CALIBRATION}{said}; confirmed by the operator", clock.now_s())
     # What is there now stays to the end: the collector need not look at it again and again.

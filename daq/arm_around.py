@@ -7,8 +7,8 @@ from armodal.daq.clock import Clock
 from armodal.daq.joint_source import Joints
 from armodal.daq.joint_state import largest_difference_rad
 from armodal.daq.judge_posture import judge_posture
+from armodal.daq.operator_joints import allowed_deviation_rad
 from armodal.daq.settings import AcquisitionSettings
-from armodal.daq.told_joints import told_within_rad
 from armodal.protocols.plan_records import PlannedPosture
 from armodal.protocols.session.records import JointReading
 
@@ -110,7 +110,7 @@ class ArmAround:
         return (
             posture.tolerance_rad
             if told_rad is None
-            else told_within_rad(posture.tolerance_rad, told_rad)
+            else allowed_deviation_rad(posture.tolerance_rad, told_rad)
         )
 
     def _moved_rad(self, posture: PlannedPosture) -> float:

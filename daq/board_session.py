@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Iterator
 
 from armodal.daq.blocks import BlockCollector, CapturedBlock
 from armodal.daq.board_link import BoardLink, FoundBoard
@@ -20,6 +21,7 @@ from armodal.protocols.board.messages import (
     encode_payload,
 )
 from armodal.protocols.board.records import (
+    MESSAGES,
     BlockInfo,
     BoardStatus,
     Channel,
@@ -154,6 +156,7 @@ class BoardSession:
         self._release_tags: deque[tuple[int, int]] = deque(maxlen=64)
         self._malformed = 0
         self.status: BoardStatus | None = None
+        self.notes: tuple[str, ...] = ()  # what the board told beside its status
 
     def fileno(self) -> int:
         """Return the descriptor to wait on."""
@@ -185,12 +188,28 @@ class BoardSession:
         return self._link.waits_for_reply()
 
     def prepare(self) -> None:
-        """Configure the board and learn its clock."""
+        """Configure the board, learn its clock, and ask what the session is to note of it."""
         self._link.stop()
         self._link.configure(self._configuration)
         for _ in range(FIRST_ROUND_TRIPS):
             self.status, trip = self._link.status()
             self._tracker.add(trip)
+        self.notes = tuple(self._told())
+
+    def _told(self) -> Iterator[str]:
+        """Ask for each message that is to be noted; a board that refuses it has none to tell."""
+        for kind, message in MESSAGES.items():
+            if message.note is None or message.record is None:
+                continue
+            try:
+                reply = self._link.request(FrameType(kind & 0x7F))
+                told: object = decode_answer(message.record, reply.frame.payload)
+            except BoardRefusedError:
+                continue
+            except FrameError as error:
+                yield f"the board's {kind.name} cannot be read: {error}"
+                continue
+            yield message.note(told)
 
     def start(self) -> None:
         """Let it run."""

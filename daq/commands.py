@@ -13,8 +13,8 @@ __all__ = [
     "Ready",
     "Retake",
     "Skip",
+    "StatedPosture",
     "Stop",
-    "ToldPosture",
     "TriggerLevel",
     "Withdraw",
 ]
@@ -26,7 +26,7 @@ class Ready:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToldPosture:
+class StatedPosture:
     """A person says that the arm stands at the posture asked for, and is held.
 
     `joints_rad` are the angles he has read, None where they are those of the plan.
@@ -84,4 +84,4 @@ class TriggerLevel:
     level_n: float
 
 
-Command = Ready | Skip | Retake | Stop | Note | Withdraw | ToldPosture | TriggerLevel | MovePoint
+Command = Ready | Skip | Retake | Stop | Note | Withdraw | StatedPosture | TriggerLevel | MovePoint

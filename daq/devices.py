@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from armodal.daq.controller import controller_options
 from armodal.daq.front_end.drivers.ni import ni_package
 from armodal.daq.front_end.drivers.opendaq import opendaq_package
 from armodal.daq.front_end.drivers.sound import sound_package
-from armodal.daq.mqtt_joints import mqtt_package
 from armodal.daq.ports import FoundPort, find_ports
 from armodal.protocols.c.build import compilers, is_current
 from armodal.protocols.errors import MissingPackageError
@@ -62,11 +62,16 @@ def find_devices(
         ("sound", _sound_cards),
         ("ni", _ni_modules),
         ("opendaq", _opendaq_devices),
-        ("mqtt", _no_broker),
     )
     for kind, look in looks:
         try:
             found += look()
+        except MissingPackageError as error:
+            missing.append(MissingDevice(kind=kind, message=str(error)))
+    for kind, option in controller_options().items():
+        try:
+            if option.package is not None:
+                option.package()
         except MissingPackageError as error:
             missing.append(MissingDevice(kind=kind, message=str(error)))
     if not is_current() and next(compilers(), None) is None:
@@ -111,12 +116,6 @@ def _opendaq_devices() -> list[FoundDevice]:
         FoundDevice(kind="opendaq", address=device.connection_string, description=device.name)
         for device in instance.available_devices
     ]
-
-
-def _no_broker() -> list[FoundDevice]:
-    """Brokers do not tell of themselves; only the package may be missing."""
-    mqtt_package()
-    return []
 
 
 def _ni_modules() -> list[FoundDevice]:

@@ -9,12 +9,12 @@ import math
 from typing import Protocol
 
 from armodal.daq.can_listener import CanSource
-from armodal.daq.commands import ToldPosture
+from armodal.daq.commands import StatedPosture
 from armodal.daq.joint_state import JointState
 from armodal.protocols.plan_records import PlannedPosture
 from armodal.protocols.session.records import JointReading
 
-__all__ = ["CanJoints", "JointSource", "Joints"]
+__all__ = ["CanJoints", "JointSource", "Joints", "MeasuredAngles"]
 
 
 class Joints(Protocol):
@@ -70,7 +70,9 @@ class JointSource(Protocol):
     def hear(self) -> None:
         """Understand what was collected."""
 
-    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
+    def take_posture(
+        self, word: StatedPosture, posture: PlannedPosture | None, now_s: float
+    ) -> str:
         """Take what a person says of the arm; return whether it was taken, in words."""
 
     def begin_posture(self) -> None:
@@ -83,7 +85,22 @@ class JointSource(Protocol):
         """Let go; never raises."""
 
 
-class CanJoints:
+class MeasuredAngles(Protocol):
+    """What a source does by itself that a device tells, and no person."""
+
+    def take_posture(
+        self, word: StatedPosture, posture: PlannedPosture | None, now_s: float
+    ) -> str:
+        """Refuse it: what is measured is not mixed with what is told."""
+        del word, posture, now_s
+        return "where the arm stands is measured, and was not taken from the operator"
+
+    def begin_posture(self) -> None:
+        """Do nothing: angles are measured again and again."""
+        return
+
+
+class CanJoints(MeasuredAngles):
     """Angles from the controller's bus."""
 
     def __init__(self, bus: CanSource, joints: JointState) -> None:
@@ -110,14 +127,6 @@ class CanJoints:
         for at_s, frames in self._bus.take():
             self._n_frames += len(frames)
             self.joints.feed(frames, at_s)
-
-    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
-        """Refuse it: what is measured is not mixed with what is told."""
-        del word, posture, now_s
-        return "where the arm stands is measured, and was not taken from the operator"
-
-    def begin_posture(self) -> None:
-        """Do nothing: angles are measured again and again."""
 
     def silence(self) -> str:
         """Say what is missing, and what may be the reason."""

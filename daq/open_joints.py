@@ -6,19 +6,17 @@ import math
 
 from armodal.daq.can_listener import CanSource, check_hears
 from armodal.daq.clock import Clock
+from armodal.daq.controller import without_bus_options
 from armodal.daq.joint_source import CanJoints, JointSource
 from armodal.daq.joint_state import JointState
-from armodal.daq.mqtt_joints import MqttSource
-from armodal.daq.rtde_joints import RtdeSource
+from armodal.daq.operator_joints import OperatorSource
 from armodal.daq.settings import AcquisitionSettings
 from armodal.daq.surroundings import Surroundings
-from armodal.daq.told_joints import ToldSource
 from armodal.protocols.arm.records import Arm, CanMapping
 from armodal.protocols.errors import ArmError, CanError, PlanError
 from armodal.protocols.plan_records import Plan
-from armodal.protocols.rtde import JOINTS
 
-__all__ = ["can_joints", "can_mapping", "check_told", "check_ur", "hear_every_joint", "open_joints"]
+__all__ = ["can_joints", "can_mapping", "check_told", "hear_every_joint", "open_joints"]
 
 CAN_WALL_S = 1.0  # the controller is given at least so long at the start
 IDLE_WALL_S = 0.02
@@ -35,12 +33,9 @@ def open_joints(settings: AcquisitionSettings, surroundings: Surroundings) -> Jo
     """
     if settings.told_tolerance_rad is not None:
         check_told(settings.plan, settings.told_tolerance_rad)
-        return ToldSource(settings.told_tolerance_rad)
-    if settings.ur_address:
-        check_ur(settings.arm)
-        return RtdeSource(settings.ur_address)
-    if settings.mqtt is not None:
-        return MqttSource(settings.mqtt, [joint.name for joint in settings.arm.joints])
+        return OperatorSource(settings.told_tolerance_rad)
+    if settings.controller is not None:
+        return settings.controller.open(settings.arm)
     mapping = can_mapping(settings.arm)
     check_hears(settings.can_channel, mapping)
     return can_joints(surroundings.open_can(settings, mapping.bitrate), mapping, settings.arm)
@@ -51,20 +46,9 @@ def can_mapping(arm: Arm) -> CanMapping:
     if arm.can is None:
         raise ArmError(
             f"arm {arm.name} has no [can] section: wanted one that says where the joint angles are "
-            "in the controller's frames; without a bus, give --ur with the address of a "
-            "Universal Robots controller, --mqtt with a file that names a broker, or --by-hand "
-            "with the degrees to which you read them"
+            f"in the controller's frames; without a bus, give {without_bus_options()}"
         )
     return arm.can
-
-
-def check_ur(arm: Arm) -> None:
-    """Refuse an arm that no Universal Robots controller has."""
-    if len(arm.joints) != JOINTS:
-        raise ArmError(
-            f"arm {arm.name} has {len(arm.joints)} joints, a Universal Robots controller tells "
-            f"{JOINTS} angles: give the arm file of this robot"
-        )
 
 
 def can_joints(bus: CanSource, mapping: CanMapping, arm: Arm) -> CanJoints:

@@ -19,8 +19,8 @@ from armodal.daq.commands import (
     Ready,
     Retake,
     Skip,
+    StatedPosture,
     Stop,
-    ToldPosture,
     Withdraw,
 )
 from armodal.daq.events import (
@@ -28,12 +28,12 @@ from armodal.daq.events import (
     HitWithdrawn,
     PointMoved,
 )
+from armodal.daq.hit_tally import HitTally
 from armodal.daq.joint_source import JointSource
 from armodal.daq.journal_mirror import MirroredJournal
 from armodal.daq.journal_writer import JournalWriter
 from armodal.daq.judge import force_column
 from armodal.daq.judged_hit import judged_hit
-from armodal.daq.kept_hits import KeptHits
 from armodal.daq.losses import LossTally
 from armodal.daq.moved_points import MovedPoints
 from armodal.daq.session_machine import PromptKind, SessionState
@@ -97,7 +97,7 @@ class SessionLoop:
         self._steps = SessionSteps(
             state, blocks=self._blocks, source=joints, journal=journal, outbox=outbox
         )
-        self.hits = KeptHits(settings.plan, next_hit, accepted_before, polarities_before)
+        self.hits = HitTally(settings.plan, next_hit, accepted_before, polarities_before)
         self._reports = SessionReports(
             clock=clock,
             board=board,
@@ -162,8 +162,8 @@ class SessionLoop:
             elif state.kind is PromptKind.POINT:
                 self._steps.mark(MarkKind.POINT, now_s)
                 self._steps.change(machine.point_ready(state), now_s)
-        elif isinstance(command, ToldPosture):
-            self.note(self._source.take_word(command, state.posture, now_s), now_s)
+        elif isinstance(command, StatedPosture):
+            self.note(self._source.take_posture(command, state.posture, now_s), now_s)
         elif isinstance(command, Skip):
             self._steps.mark(MarkKind.SKIPPED, now_s, command.reason)
             self._steps.change(machine.skip(state), now_s)

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from armodal.daq.board_link import GIVE_UP_WALL_S
 from armodal.daq.clock import check_time_scale
+from armodal.daq.controller import Controller
 from armodal.daq.judge import JudgeLimits
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import PlanError
-from armodal.protocols.mqtt_joints import MqttJoints
 from armodal.protocols.plan_records import Plan
 
 __all__ = ["AcquisitionSettings"]
@@ -26,8 +26,7 @@ class AcquisitionSettings:
     board_port : path of the board's serial line
     board_baud : bit rate of a UART; without meaning for USB lines and pseudo-terminals
     can_channel : path of a serial CAN adapter, or interface:channel of python-can
-    ur_address : HOST or HOST:PORT of a Universal Robots controller, in place of the bus
-    mqtt : where joint angles are in an MQTT broker's messages, in place of the bus
+    controller : what tells joint angles in place of the bus
     told_tolerance_rad : joint angles are told by a person, to so much; None: they are measured
     measured_by : who measures, for the report; kept as the session began
     journal : file to begin, or with `resume` to go on with
@@ -54,8 +53,7 @@ class AcquisitionSettings:
     journal: Path
     mirror: Path | None = None
     can_channel: str = ""
-    ur_address: str = ""
-    mqtt: MqttJoints | None = None
+    controller: Controller | None = None
     told_tolerance_rad: float | None = None
     measured_by: str = ""
     resume: bool = False
@@ -87,8 +85,7 @@ class AcquisitionSettings:
     @property
     def without_bus(self) -> bool:
         """Whether joint angles come from elsewhere than a bus."""
-        told = self.told_tolerance_rad is not None
-        return told or bool(self.ur_address) or self.mqtt is not None
+        return self.told_tolerance_rad is not None or self.controller is not None
 
     def blocks_in_memory(self, n_channels: int) -> int:
         """Return how many blocks may be put together at a time.

@@ -13,9 +13,10 @@ class JointSample:
 
     timestamp_s : None where the controller tells no time
     drive_state : None where it tells none
+    held : whether drives or brakes hold the arm; a controller that does not say so is believed to
     """
 
-    timestamp_s: float | None
     joints_rad: tuple[float, ...]
-    drive_state: int | None
-    held: bool
+    timestamp_s: float | None = None
+    drive_state: int | None = None
+    held: bool = True

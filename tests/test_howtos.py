@@ -9,11 +9,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.howto import PAGES, files_shown
+from support.howto import PAGES, changed, changes_shown, files_shown
 
 PROJECT = Path(__file__).parents[1]
 FOLDERS = ("analyzer", "armodal", "daq", "docs", "hil_sim", "protocols", "tests", "tui")
 PYTEST = ("-m", "pytest", "-q", "-p", "no:cacheprovider", "-m", "not long")
+VECTORS = "tests/vectors/make_board_vectors.py"
 LONGEST = 60  # lines of a file, for somebody who adds his first
 # What is found in the folders that are searched.
 FOUND = {
@@ -34,6 +35,9 @@ print(*(own.name.lower() for own in every_format()))""",
 from pkgutil import iter_modules
 from armodal.daq.front_end import drivers
 print(*(module.name for module in iter_modules(drivers.__path__)))""",
+    "add-a-source-of-joint-angles": """
+from armodal.daq.controller import controller_options
+print(*controller_options())""",
     "add-an-effect": """
 from armodal.analyzer.gap.library import hooks
 from armodal.hil_sim.effects import modules_with
@@ -58,12 +62,21 @@ OF_ALL = {
         "tests/protocols/foreign/test_any_bytes.py",
     ),
     "add-a-source-of-samples": ("tests/protocols/test_front_end.py",),
+    "add-a-source-of-joint-angles": ("tests/tui/test_bad_input.py",),
+    "add-a-message": (
+        "tests/protocols/test_board_table.py",
+        "tests/protocols/test_board_vectors.py",
+        "tests/protocols/c/test_device.py",
+        "tests/protocols/c/test_payloads.py",
+        "tests/daq/test_check_board.py::test_every_step_passes_on_a_healthy_board",
+    ),
     "add-an-effect": (
         "tests/analyzer/gap/test_every_effect.py",
         "tests/analyzer/gap/test_effects_own_themselves.py",
         "tests/analyzer/gap/test_no_shared_numbers.py",
         "tests/analyzer/gap/test_priors_have_sources.py",
         "tests/test_truth_stays_hidden.py",
+        "tests/hil_sim/test_study.py",
     ),
 }
 SHOWN = {page.stem: files_shown(page.stem) for page in sorted(PAGES.glob("add-*.md"))}
@@ -112,3 +125,31 @@ def test_what_a_guide_shows_is_found_by_itself_and_its_tests_pass(copy, page):
     finally:
         for name in files:
             (copy / name).unlink()
+
+
+@pytest.mark.long
+def test_the_message_that_the_guide_shows_works_on_both_sides(copy):
+    page, files = "add-a-message", SHOWN["add-a-message"]
+    before = {}
+    for name, change in changes_shown(page).items():
+        before[name] = (copy / name).read_text(encoding="utf-8")
+        (copy / name).write_text(changed(before[name], change), encoding="utf-8")
+    for name, text in files.items():
+        (copy / name).write_text(text, encoding="utf-8")
+    try:
+        for made in (("-m", "armodal.protocols.board.generate"), (VECTORS,)):
+            ran = run_in(copy, *made)
+            assert ran.returncode == 0, ran.stderr
+        ran = run_in(copy, *PYTEST, *files, *OF_ALL[page])
+        assert ran.returncode == 0, ran.stdout
+        python = [name for name in (*files, *before) if name.endswith(".py")]
+        for tool in (("format", "--check"), ("check",)):
+            ran = run_in(copy, "-m", "ruff", *tool, *python)
+            assert ran.returncode == 0, ran.stdout
+    finally:
+        for name in files:
+            (copy / name).unlink()
+        for name, text in before.items():
+            (copy / name).write_text(text, encoding="utf-8")
+        for made in (("-m", "armodal.protocols.board.generate"), (VECTORS,)):
+            run_in(copy, *made)

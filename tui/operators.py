@@ -14,13 +14,13 @@ from typing import Protocol
 
 import numpy as np
 
-from armodal.daq.commands import Command, Ready, Stop, ToldPosture
+from armodal.daq.commands import Command, Ready, StatedPosture, Stop
 from armodal.daq.events import Event, Failed, Finished, HitJudged, Noted, Prompted
 from armodal.daq.geometry import hit_direction
+from armodal.daq.operator_joints import posture_refusal
 from armodal.daq.process import start_process
 from armodal.daq.session_machine import Prompt, PromptKind
 from armodal.daq.settings import AcquisitionSettings
-from armodal.daq.told_joints import told_refusal
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, DeviceTimeoutError
 from armodal.protocols.os_words import os_words
@@ -104,7 +104,7 @@ class PersonAtTerminal:
             refused = (
                 f"wanted angles in degrees, got {answer!r}"
                 if word is None
-                else told_refusal(word, posture, told_rad)
+                else posture_refusal(word, posture, told_rad)
             )
             if word is not None and not refused:
                 return word
@@ -112,15 +112,15 @@ class PersonAtTerminal:
         return Stop()
 
 
-def _told(answer: str) -> ToldPosture | None:
+def _told(answer: str) -> StatedPosture | None:
     """Return what was typed, in degrees, as angles; None where it is no numbers."""
     if not answer:
-        return ToldPosture()
+        return StatedPosture()
     try:
         degrees = [float(part) for part in answer.replace(",", " ").split()]
     except ValueError:
         return None
-    return ToldPosture(joints_rad=tuple(math.radians(x) for x in degrees))
+    return StatedPosture(joints_rad=tuple(math.radians(x) for x in degrees))
 
 
 def request_for(arm: Arm, prompt: Prompt) -> tuple[Request, str] | None:
@@ -182,7 +182,7 @@ class ScriptedOperator:
             return None
         self.ask(wanted[0])
         if prompt.kind is PromptKind.POSTURE and self._tells_posture:
-            return ToldPosture()
+            return StatedPosture()
         return Ready() if prompt.kind is PromptKind.POINT else None
 
     @property

@@ -26,7 +26,7 @@ from armodal.protocols.robot.chain import CutChain, cut_chain
 from armodal.protocols.robot.read import read_robot
 from armodal.protocols.robot.remarks import Remarks, refuse_faults
 
-__all__ = ["GRAVITY", "Draft", "Wanted", "draft_arm", "looked_at", "stl_bytes"]
+__all__ = ["GRAVITY", "Draft", "Wanted", "draft_arm", "read_description", "stl_bytes"]
 
 G_M_S2 = 9.80665
 # In the base's frame. On a wall the base's x points up.
@@ -64,7 +64,7 @@ class Draft:
     meshes: Mapping[str, bytes]  # by their path beside the arm file
 
 
-def looked_at(
+def read_description(
     path: Path, wanted: Wanted, said: Remarks
 ) -> tuple[CutChain, tuple[ArmBody, ...], Doubts]:
     """The chain, its bodies and what is doubted of their inertials.
@@ -95,7 +95,7 @@ def draft_arm(path: Path, name: str, wanted: Wanted, said: Remarks, *, seed: int
     ArmError
         With every fault, if the description cannot be used.
     """
-    chain, bodies, doubts = looked_at(path, wanted, said)
+    chain, bodies, doubts = read_description(path, wanted, said)
     if wanted.keep_inertials:
         doubts = Doubts(mass=frozenset(), spread=frozenset())
     believed = believed_links(bodies, doubts, said, total_kg=wanted.total_kg)

@@ -30,12 +30,12 @@ def bodies_of_arm(arm: Arm, folder: Path | None, said: Remarks) -> tuple[ArmBody
     Parameters
     ----------
     folder
-        Where the arm file lies; None where there is none.
+        Where the arm file and its meshes lie; None where capsules are to stand for the links.
     """
     shapes = {}
     base_name = None
-    if arm.urdf_text is not None:
-        robot = read_tree(arm.urdf_text, folder or Path(), Remarks())
+    if arm.urdf_text is not None and folder is not None:
+        robot = read_tree(arm.urdf_text, folder, Remarks())
         if robot is not None:
             shapes = dict(robot.links)
             children = {joint.child for joint in robot.joints}

@@ -7,11 +7,11 @@ tables of `docs/board-protocol.md` and the test vectors of every field's extreme
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from fractions import Fraction
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -321,12 +321,15 @@ class Message:
     record : its fixed fields; None where it has none
     tail : what follows them, in words; empty where nothing does
     is_answer : whether code and reason of a reply stand in front
+    note : of an answer's record, the sentence of it that a session notes before its first hit. The
+        host then asks for it; a board that refuses has none, and the session goes on.
     """
 
     section: int = 4
     record: type | None = None
     tail: str = ""
     is_answer: bool = False
+    note: Callable[[Any], str] | None = None
 
 
 MESSAGES: Mapping[FrameType, Message] = {

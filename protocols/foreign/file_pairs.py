@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.foreign.inspection import inspect_file
 from armodal.protocols.foreign.roles import Role, role_of
 
 __all__ = ["with_forces"]
@@ -66,7 +66,7 @@ def _words(file: Path) -> list[str]:
 def _whole(file: Path, *, named: bool = False) -> bool:
     """Whether a file has FRFs, or force and responses itself, the force by its name if `named`."""
     try:
-        looked = look_at(file)
+        looked = inspect_file(file)
     except ForeignFileError:
         return False
     if looked.content is None:

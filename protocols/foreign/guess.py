@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.foreign.looked_at import Doubt, LookedAt, look_at
+from armodal.protocols.foreign.inspection import Doubt, Inspection, inspect_file
 from armodal.protocols.foreign.manifest import FILL_IN, NO_ARM, Reading
 from armodal.protocols.foreign.measured import AXES
 
@@ -31,13 +31,13 @@ class Guess:
     doubts: tuple[Doubt, ...]
 
 
-def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
+def guess_manifest(files: Sequence[Inspection], folder: Path) -> Guess:
     """Write the manifest of files that belong to one posture.
 
     Parameters
     ----------
     files
-        From `look_at`.
+        From `inspect_file`.
     folder
         Where the manifest will be: paths start from there.
 
@@ -77,12 +77,12 @@ def guess_manifest(files: Sequence[LookedAt], folder: Path) -> Guess:
     return Guess(text=text, guesses=_gathered(guesses, names), doubts=tuple(doubts))
 
 
-def _like_the_others(file: LookedAt, kind: str) -> LookedAt:
+def _like_the_others(file: Inspection, kind: str) -> Inspection:
     """The file, looked at again as what those beside it are if it does not tell itself."""
-    return look_at(file.path, kind=kind, force=file.force) if "kind" in file.keys else file
+    return inspect_file(file.path, kind=kind, force=file.force) if "kind" in file.keys else file
 
 
-def _kind(file: LookedAt) -> str:
+def _kind(file: Inspection) -> str:
     if file.content is None:
         return ""
     if file.content.frfs:
@@ -90,7 +90,9 @@ def _kind(file: LookedAt) -> str:
     return "hit" if file.content.hits else ""
 
 
-def _name_points(files: Sequence[LookedAt], keys: list[dict[str, Any]], guesses: list[str]) -> None:
+def _name_points(
+    files: Sequence[Inspection], keys: list[dict[str, Any]], guesses: list[str]
+) -> None:
     """Name the points of FRFs that have none: by the numbers of their files."""
     first = {
         i: file.content.frfs[0]
@@ -151,7 +153,7 @@ def _numbers(stems: Sequence[str]) -> list[str]:
 
 
 def _ask_points_of_hits(
-    files: Sequence[LookedAt],
+    files: Sequence[Inspection],
     keys: list[dict[str, Any]],
     guesses: list[str],
     doubts: list[Doubt],
@@ -184,7 +186,7 @@ def _ask_points_of_hits(
         guesses.append(f"the {most} accelerations are one sensor's axes x, y, z in their order")
 
 
-def _mode(files: Sequence[LookedAt], keys: Sequence[dict[str, Any]]) -> tuple[str, str]:
+def _mode(files: Sequence[Inspection], keys: Sequence[dict[str, Any]]) -> tuple[str, str]:
     """Return which of sensor and hammer moved, and why."""
     sensors: set[str | None] = set()
     struck: set[str | None] = set()
@@ -220,7 +222,7 @@ def _in_common(
 
 
 def _text(
-    files: Sequence[LookedAt],
+    files: Sequence[Inspection],
     keys: Sequence[dict[str, Any]],
     common: dict[str, Any],
     mode: str,

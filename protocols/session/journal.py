@@ -38,9 +38,9 @@ from armodal.protocols.session.journal_payloads import (
 )
 from armodal.protocols.session.membership import check_membership
 from armodal.protocols.session.moved_points import arm_with_moves, move_words
+from armodal.protocols.session.operator_angles import angles_by_hand
 from armodal.protocols.session.progress import is_complete
 from armodal.protocols.session.records import Hit, Loss, Session, SessionHeader
-from armodal.protocols.session.told import told_by_hand
 
 __all__ = [
     "MAGIC",
@@ -130,7 +130,7 @@ def session_of(journal: Journal) -> Session:
         hits=journal.hits,
         losses=journal.losses,
         complete=is_complete(journal.header.plan, journal.hits),
-        warnings=told_by_hand(journal.header) + journal.warnings + skipped + calibrated + moved,
+        warnings=angles_by_hand(journal.header) + journal.warnings + skipped + calibrated + moved,
     )
 
 

@@ -20,7 +20,7 @@ from support.fault_runs import shipped_arm
 from support.virtual_operator import CHANNEL_FD
 
 from armodal.daq.acquisition import run_acquisition
-from armodal.daq.commands import Ready, Stop, ToldPosture
+from armodal.daq.commands import Ready, StatedPosture, Stop
 from armodal.daq.events import Failed, Finished, HitJudged, Preview, Prompted
 from armodal.daq.front_end.board import FrontEndPort
 from armodal.daq.front_end.source import Chunk
@@ -216,7 +216,7 @@ class _Operator:
     def put(self, event: Any) -> None:
         if isinstance(event, Prompted):
             if event.prompt.kind is PromptKind.POSTURE:
-                self.channel.said.append(ToldPosture())
+                self.channel.said.append(StatedPosture())
             elif event.prompt.kind is PromptKind.POINT:
                 self.channel.said.append(Ready())
         elif isinstance(event, HitJudged):

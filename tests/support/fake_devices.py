@@ -33,6 +33,7 @@ from armodal.protocols.board.messages import (
     hello_fragments,
 )
 from armodal.protocols.board.records import (
+    MESSAGES,
     BlockInfo,
     BoardDictionary,
     BoardState,
@@ -131,7 +132,10 @@ class Held:
 
 
 class FakeBoard(Line):
-    """Answers as the protocol says, and sends the blocks it is given."""
+    """Answers as the protocol says, and sends the blocks it is given.
+
+    A command that is answered with a record gets that of `tells`; without one it is unknown.
+    """
 
     def __init__(self) -> None:
         super().__init__()
@@ -144,6 +148,7 @@ class FakeBoard(Line):
         self.resends: list[tuple[int, int, int]] = []
         self.drop: Callable[[FrameType, int], bool] = lambda kind, first: False
         self.mute = False
+        self.tells: dict[FrameType, object] = {}
         self._decoder = FrameDecoder()
         self.sequence = 0
         self._last_block = 0
@@ -221,7 +226,10 @@ class FakeBoard(Line):
         elif kind is FrameType.STOP and self.state is BoardState.RUNNING:
             self.state = BoardState.CONFIGURED
         elif kind is FrameType.STATUS:
-            reply = encode_answer(self.status())
+            reply = encode_answer(self.tells.get(kind) or self.status())
+        elif MESSAGES[FrameType(kind | 0x80)].record is not None:
+            told = self.tells.get(kind)
+            reply = encode_answer(told) if told else encode_reply(ReplyCode.UNKNOWN_COMMAND)
         elif kind is FrameType.RELEASE:
             block_id = decode_payload(Release, frame.payload).block_id
             self.released.append(block_id)

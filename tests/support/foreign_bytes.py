@@ -20,7 +20,7 @@ from support.foreign_writers import (
 )
 
 from armodal.protocols.errors import ArmodalError
-from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.foreign.inspection import inspect_file
 
 RATE = 1024
 T = np.arange(70) / RATE
@@ -97,7 +97,7 @@ def read_or_refused(path, data):
     """Read bytes; return None, or the one sentence they are refused with."""
     path.write_bytes(data)
     try:
-        look_at(path)
+        inspect_file(path)
     except ArmodalError as error:
         return str(error)
     return None

@@ -21,7 +21,7 @@ from support.forked_acquisition import ForkedAcquisition, fork_acquisition
 from support.reach_plan import reach_plan
 from support.source_devices import RATE_HZ, SOURCES
 
-from armodal.daq.commands import Ready, ToldPosture
+from armodal.daq.commands import Ready, StatedPosture
 from armodal.daq.events import Failed, Finished, HitJudged, Prompted, SessionOpened
 from armodal.daq.session_machine import PromptKind
 from armodal.daq.settings import AcquisitionSettings
@@ -137,7 +137,7 @@ class KilledSession:
     @staticmethod
     def _answer(channel: object, event: Prompted) -> None:
         if event.prompt.kind is PromptKind.POSTURE:
-            channel.send(ToldPosture())
+            channel.send(StatedPosture())
         elif event.prompt.kind is PromptKind.POINT:
             channel.send(Ready())
 

@@ -218,7 +218,7 @@ def test_a_posture_outside_its_joint_s_range_is_refused(small_plan, tmp_path):
         ([], ["wanted where joint angles come from", "--can", "--ur", "--by-hand"]),
         (["--can", "none", "--by-hand", "0.2"], ["got --can none, --by-hand 0.2", "leave all but"]),
         (["--ur", "h", "--by-hand", "0"], ["got --ur h, --by-hand 0", "never mixed"]),
-        (["--ur", "h", "--mqtt", "m.toml"], ["got --ur h, --mqtt m.toml", "never mixed"]),
+        (["--ur", "h", "--mqtt", "m.toml"], ["got --mqtt m.toml, --ur h", "never mixed"]),
         (["--mqtt", "none.toml"], ["MQTT file none.toml", "found none; check the path"]),
         (["--by-hand", "0"], ["above 0 and at most 10", "got 0"]),
         (["--by-hand", "nan"], ["above 0 and at most 10", "got nan"]),

@@ -73,7 +73,7 @@ def move_command(
         return
     at = ", ".join(f"{value:.4f}" for value in place)
     out.print(f"point {point} on link {old.link}: {at} m, {1e3 * shift:.0f} mm from where it was")
-    err.print(f"next: `armodal plan {arm}` makes a plan with it")
+    err.print(f"next: `armodal plan {arm} --out PLAN` makes a plan with it")
 
 
 def _point(arm: Arm, point_id: str) -> Point:

@@ -10,10 +10,11 @@ import typer
 
 from armodal.analyzer.own_arm.of_arm import bodies_of_arm
 from armodal.analyzer.own_arm.picture import points_page
-from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.robot.remarks import Remarks, refuse_faults
 from armodal.protocols.text_file import write_new_text
+from armodal.tui.command_parts.mesh_folder import mesh_folder
 from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.console import Json, err, out, print_json
 from armodal.tui.drawing import Camera, Canvas, arm_wireframe, draw_points, draw_triad
@@ -50,8 +51,7 @@ def show_command(
             raise ArmError(f"wanted points of the arm, {ids}, got {name!r}")
     if html is not None:
         said = Remarks()
-        home = ARMS_DIRECTORY if arm in shipped_arms() else Path(arm).parent
-        bodies = bodies_of_arm(the_arm, home, said)
+        bodies = bodies_of_arm(the_arm, mesh_folder(arm), said)
         refuse_faults(arm, said)
         write_new_text(html, points_page(the_arm, bodies or (), q), error=ArmError)
     if as_json:

@@ -9,7 +9,7 @@ from typing import Any
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.file_pairs import with_forces
 from armodal.protocols.foreign.guess import Guess, guess_manifest
-from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.foreign.inspection import inspect_file
 from armodal.protocols.os_words import os_words
 
 __all__ = ["guess_json", "is_manifest", "manifest_beside", "unanswered"]
@@ -29,7 +29,7 @@ def manifest_beside(files: Sequence[Path], output: Path) -> tuple[Path, Guess]:
         If a file cannot be read, or another manifest is there already.
     """
     path = output.with_suffix(".toml")
-    looked = [look_at(file, force=force) for file, force in with_forces(files)]
+    looked = [inspect_file(file, force=force) for file, force in with_forces(files)]
     guess = guess_manifest(looked, path.parent)
     if path.exists() and path.read_text(encoding="utf-8", errors="replace") != guess.text:
         raise ForeignFileError(

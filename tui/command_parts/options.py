@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated
@@ -24,16 +23,12 @@ __all__ = [
     "Mirror",
     "Seed",
     "SessionPath",
-    "UrAddress",
     "comma_numbers",
     "one_board",
     "refuse_idle",
     "say_if_on_one_disk",
     "sensor_memory",
-    "told_tolerance_rad",
 ]
-
-MOST_TOLD_DEG = 10.0  # an angle read less closely than this says nothing of a posture
 
 ArmName = Annotated[str, typer.Argument(help="Arm file, or a shipped arm such as rv4frl.")]
 SessionPath = Annotated[Path, typer.Argument(help="Session file (.h5).")]
@@ -64,50 +59,6 @@ def say_if_on_one_disk(journal: Path, mirror: Path | None) -> None:
     """Tell who asks for a mirror that it lies on the journal's own disk."""
     if mirror is not None and on_one_disk(journal, mirror):
         say(f"--mirror {mirror} is on the journal's own disk: it does not help where that fails")
-
-
-UrAddress = Annotated[
-    str,
-    typer.Option(
-        metavar="HOST[:PORT]",
-        help="Without a bus: joint angles from a Universal Robots controller (RTDE).",
-    ),
-]
-
-
-MqttFile = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE",
-        help="Without a bus: joint angles from an MQTT broker, by a file that says where.",
-    ),
-]
-
-
-def told_tolerance_rad(by_hand: float | None, can: str, ur: str, mqtt: Path | None) -> float | None:
-    """The tolerance of angles told by hand, rad; None where a device tells them or none is given.
-
-    Raises
-    ------
-    SessionError
-        If there is more than one source of joint angles, or the tolerance is none.
-    """
-    person = None if by_hand is None else f"{by_hand:g}"
-    given = {"--can": can, "--ur": ur, "--mqtt": mqtt, "--by-hand": person}
-    named = [f"{option} {value}" for option, value in given.items() if value]
-    if len(named) > 1:
-        raise SessionError(
-            f"wanted joint angles from one source, got {', '.join(named)}: they are never mixed in "
-            "a session; leave all but one out"
-        )
-    if by_hand is None:
-        return None
-    if not 0.0 < by_hand <= MOST_TOLD_DEG:
-        raise SessionError(
-            f"--by-hand: wanted degrees above 0 and at most {MOST_TOLD_DEG:g}, got {by_hand:g}; "
-            "say to how much you can read a joint's angle"
-        )
-    return math.radians(by_hand)
 
 
 def one_board(ports: list[str]) -> str:

@@ -32,8 +32,8 @@ def plan_tables(
 
 def _selective(plan: SelectivePlan, beside: ComparedPlan | None) -> Table:
     names = [joint.name for joint in plan.arm.joints]
-    table = Table(title="Most selective posture of each joint: largest M_ij/M_ii")
-    for column in ("joint", "posture deg", "found"):
+    table = Table(title="Most selective posture of each joint")
+    for column in ("joint", "posture deg", "largest M_ij/M_ii"):
         table.add_column(column, justify="right")
     if beside is not None:
         table.add_column(beside.name, justify="right")

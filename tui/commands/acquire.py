@@ -11,23 +11,21 @@ import typer
 from armodal import SOFTWARE
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.daq.controller import without_bus_options
 from armodal.daq.events import Event
 from armodal.daq.settings import AcquisitionSettings
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmodalError, DeviceLostError, SessionError
-from armodal.protocols.mqtt_joints import load_mqtt_joints
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.recovery import rebuild
+from armodal.tui.command_parts.joint_angles import JointAngles, joint_angles, with_controllers
 from armodal.tui.command_parts.options import (
     ByHand,
     MeasuredBy,
     Mirror,
-    MqttFile,
-    UrAddress,
     one_board,
     say_if_on_one_disk,
     sensor_memory,
-    told_tolerance_rad,
 )
 from armodal.tui.command_parts.rehearsed import spoken_arm
 from armodal.tui.console import Json, TimeScale, err, out, print_json, say_next
@@ -46,12 +44,11 @@ def show_event(event: Event) -> None:
 
 
 @app.command("acquire")
+@with_controllers
 def acquire_command(
     plan: Annotated[str, typer.Argument(help="Plan file or shipped plan.")],
     board: Annotated[list[str], typer.Option(help="Port of the board, or a front-end file.")],
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
-    ur: UrAddress = "",
-    mqtt: MqttFile = None,
     by_hand: ByHand = None,
     arm: Annotated[str, typer.Option(help="Arm file or shipped arm.")] = "rv4frl",
     journal: Annotated[Path, typer.Option(help="Journal to write.")] = Path("session.journal"),
@@ -69,6 +66,8 @@ def acquire_command(
         ),
     ] = False,
     as_json: Json = False,
+    *,
+    controllers: dict[str, str],
 ) -> None:
     """Capture a session: postures, points and hits of a plan, into a durable journal.
 
@@ -82,21 +81,18 @@ def acquire_command(
     if operator is not None and can and not resume:
         the_arm = spoken_arm(the_arm)
     the_plan = load_plan(plan, the_arm)
-    told_rad = told_tolerance_rad(by_hand, can, ur, mqtt)
-    if told_rad is None and not (can or ur or mqtt):
+    angles = joint_angles(by_hand, can, controllers)
+    if not can and angles == JointAngles():
         raise SessionError(
             "wanted where joint angles come from, got nothing: give --can with the port of the "
-            "controller's bus, --ur with the address of a Universal Robots controller, --mqtt with "
-            "a file that names a broker, or --by-hand with the degrees to which you read them "
-            "yourself"
+            f"controller's bus, {without_bus_options()}"
         )
     settings = AcquisitionSettings(
         board_port=one_board(board),
         board_baud=baud,
         can_channel=can,
-        ur_address=ur,
-        mqtt=None if mqtt is None else load_mqtt_joints(mqtt),
-        told_tolerance_rad=told_rad,
+        controller=angles.controller,
+        told_tolerance_rad=angles.told_rad,
         arm=the_arm,
         plan=the_plan,
         journal=journal,
@@ -110,14 +106,14 @@ def acquire_command(
     )
     say_if_on_one_disk(journal, mirror)
     with ExitStack() as keep:
-        person: Operator = PersonAtTerminal(err.input, told_rad=told_rad)
+        person: Operator = PersonAtTerminal(err.input, told_rad=angles.told_rad)
         if operator is not None:
             script = ScriptedOperator(
                 operator,
                 the_arm,
                 the_plan,
                 time_scale=time_scale,
-                tells_posture=told_rad is not None,
+                tells_posture=angles.told_rad is not None,
             )
             keep.callback(script.close)
             person = script

@@ -16,20 +16,21 @@ from armodal.analyzer.own_arm.draft import (
     Draft,
     Wanted,
     draft_arm,
-    looked_at,
+    read_description,
 )
 from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.own_arm.picture import points_page
 from armodal.analyzer.own_arm.plausible import doubted
 from armodal.analyzer.own_arm.readme import readme_text
 from armodal.analyzer.planning.made import MadePlan, made_plan
-from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import ArmError, EstimateError, PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, Equipment, load_equipment
 from armodal.tui.command_parts.arm_links import link_rows, link_table
 from armodal.tui.command_parts.arm_move import move_command
 from armodal.tui.command_parts.arm_show import show_command
+from armodal.tui.command_parts.mesh_folder import mesh_folder
 from armodal.tui.command_parts.new_folder import check_new_folder, write_new_folder
 from armodal.tui.command_parts.options import Minutes, Seed, comma_numbers
 from armodal.tui.command_parts.plan_json import made_json
@@ -155,13 +156,12 @@ def check_command(
     path, guessed = Path(arm), []
     if path.suffix.lower() in _DESCRIBED:
         wanted = _wanted(tip, mass, None, packages, arg, no_meshes, keep_inertials=False)
-        chain, bodies, _ = looked_at(path, wanted, said)
+        chain, bodies, _ = read_description(path, wanted, said)
         shown_name = chain.name or path.stem
     else:
         the_arm = load_arm(arm)
         shown_name = the_arm.name
-        home = ARMS_DIRECTORY if arm in shipped_arms() else path.parent
-        bodies = checked_bodies(the_arm, home, said)
+        bodies = checked_bodies(the_arm, None if no_meshes else mesh_folder(arm), said)
         doubted(bodies, said, total_kg=mass)
         guessed = [j.link.name for j in the_arm.joints if j.inertial_std and j.inertial_std.guessed]
     rows = link_rows(bodies, guessed)
@@ -256,7 +256,7 @@ def _gravity(mount: str | None) -> tuple[float, float, float]:
 def _asked(robot: Path, wanted: Wanted, mount: str | None) -> Wanted:
     """Ask what only the user knows: tip, mass, mounting, what to do with doubted inertials."""
     first = Remarks()
-    chain, _, doubts = looked_at(robot, wanted, first)
+    chain, _, doubts = read_description(robot, wanted, first)
     if wanted.tip is None:
         names = [part.link.name for body in chain.bodies for part in body.parts]
         typed = typer.prompt("last link of the arm", default=chain.tip, err=True)

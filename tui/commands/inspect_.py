@@ -12,7 +12,7 @@ from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.file_pairs import with_forces
 from armodal.protocols.foreign.files_in import files_in
 from armodal.protocols.foreign.guess import Guess, guess_manifest
-from armodal.protocols.foreign.looked_at import LookedAt, look_at
+from armodal.protocols.foreign.inspection import Inspection, inspect_file
 from armodal.tui.command_parts.guessed_manifest import guess_json
 from armodal.tui.console import Json, out, print_json, say, say_next
 
@@ -35,12 +35,12 @@ def inspect_command(
 
     Example: armodal inspect Hxysv00001.txt case2.mat
     """
-    looked: list[LookedAt] = []
+    looked: list[Inspection] = []
     errors: dict[str, str] = {}
     for path, force in with_forces(files_in(files)):
         say(f"reading {path}" if force is None else f"reading {path} with {force}")
         try:
-            looked.append(look_at(path, force=force))
+            looked.append(inspect_file(path, force=force))
         except ForeignFileError as error:
             errors[str(path)] = str(error)
     manifest, question = "", ""
@@ -74,7 +74,7 @@ def inspect_command(
         raise typer.Exit(_USER_ERROR)
 
 
-def _file_json(looked: LookedAt) -> dict[str, Any]:
+def _file_json(looked: Inspection) -> dict[str, Any]:
     content = looked.content
     return {
         "file": str(looked.path),
@@ -91,7 +91,7 @@ def _row_json(row: Any) -> dict[str, Any]:
     return {"name": row.name, "shape": list(row.shape), "type": row.type, "unit": row.unit or None}
 
 
-def _holds(looked: LookedAt) -> str:
+def _holds(looked: Inspection) -> str:
     """Return what a file holds in a few words."""
     content = looked.content
     if content is None:
@@ -115,17 +115,17 @@ def _holds(looked: LookedAt) -> str:
     return "no FRF and no hit"
 
 
-def _is_measured(looked: LookedAt) -> bool:
+def _is_measured(looked: Inspection) -> bool:
     """Whether a file may hold FRFs or hits: geometry and shapes alone are nothing to import."""
     content = looked.content
     return content is None or bool(content.frfs or content.hits)
 
 
-def _asks(looked: LookedAt, key: str) -> bool:
+def _asks(looked: Inspection, key: str) -> bool:
     return any(doubt.key == key for doubt in looked.doubts)
 
 
-def _show(looked: LookedAt) -> None:
+def _show(looked: Inspection) -> None:
     force = "" if looked.force is None else f" with {looked.force}"
     out.print(f"{looked.path}{force}: {looked.format}, {_holds(looked)}")
     content = looked.content
@@ -151,7 +151,7 @@ def _show_manifest(guess: Guess | None, question: str) -> None:
     out.print(guess.text.rstrip("\n"))
 
 
-def _say_next(looked: list[LookedAt], guess: Guess | None) -> None:
+def _say_next(looked: list[Inspection], guess: Guess | None) -> None:
     """Say how to import what was read; nothing where nothing could be."""
     if guess is None:
         return

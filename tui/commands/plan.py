@@ -12,15 +12,16 @@ from armodal.analyzer.own_arm.of_arm import checked_bodies
 from armodal.analyzer.planning.compared_plan import plan_to_compare
 from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.made import made_plan
-from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm, shipped_arms
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlanError
 from armodal.protocols.robot.remarks import Remarks
 from armodal.protocols.sensors_file import CATALOGUE, load_equipment
 from armodal.protocols.text_file import write_new_text
+from armodal.tui.command_parts.mesh_folder import mesh_folder
 from armodal.tui.command_parts.options import ArmName, Minutes, Seed
 from armodal.tui.command_parts.plan_json import made_json, plan_json
 from armodal.tui.command_parts.plan_tables import made_lines, plan_tables
-from armodal.tui.console import Json, out, print_json, progress, say_next
+from armodal.tui.console import Json, err, out, print_json, progress, say_next
 
 __all__ = ["app"]
 
@@ -57,12 +58,11 @@ def plan_command(
     the_arm = load_arm(arm)
     planned = planned_arm(the_arm)
     other = plan_to_compare(planned, beside)
-    home = ARMS_DIRECTORY if arm in shipped_arms() else Path(arm).parent
     made = made_plan(
         the_arm,
         np.random.default_rng(seed),
         name=name,
-        bodies=checked_bodies(the_arm, home, Remarks()),
+        bodies=checked_bodies(the_arm, mesh_folder(arm), Remarks()),
         floor_m=floor,
         equipment=CATALOGUE if sensors is None else load_equipment(sensors),
         n_tests=tests,
@@ -89,3 +89,5 @@ def plan_command(
     if out_path is not None:
         out.print(f"plan {out_path}")
         say_next(f"run {out_path} --arm {arm}")
+    else:
+        err.print("next: give --out FILE to write the plan")

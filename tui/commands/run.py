@@ -16,20 +16,17 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import SessionError
 from armodal.protocols.front_end import load_front_end
-from armodal.protocols.mqtt_joints import load_mqtt_joints
 from armodal.protocols.plan import load_plan
 from armodal.protocols.sensor_memory import load_sensors
+from armodal.tui.command_parts.joint_angles import JointAngles, joint_angles, with_controllers
 from armodal.tui.command_parts.journey import go_from
 from armodal.tui.command_parts.options import (
     ByHand,
     MeasuredBy,
     Mirror,
-    MqttFile,
-    UrAddress,
     one_board,
     say_if_on_one_disk,
     sensor_memory,
-    told_tolerance_rad,
 )
 from armodal.tui.command_parts.rehearsed import plan_to_rehearse, spoken_arm
 from armodal.tui.console import TimeScale, check_terminal, err, say_next
@@ -54,9 +51,7 @@ def run_app(
     measured_by: str = "",
     board: str = "",
     can: str = "",
-    ur: str = "",
-    mqtt: Path | None = None,
-    by_hand: float | None = None,
+    angles: JointAngles = JointAngles(),  # noqa: B008 - frozen
     baud: int = 921_600,
     seed: int = 1,
     time_scale: float = 1.0,
@@ -102,9 +97,8 @@ def run_app(
         measured_by=measured_by,
         board=board,
         can=can,
-        told_rad=told_tolerance_rad(by_hand, can, ur, mqtt),
-        ur=ur,
-        mqtt=None if mqtt is None else load_mqtt_joints(mqtt),
+        told_rad=angles.told_rad,
+        controller=angles.controller,
         baud=baud,
         input_range_v=input_range_v,
         sensor_memory=memory,
@@ -138,6 +132,7 @@ def _say_what_was_written(app: RunApp) -> None:
 
 
 @app.command("run")
+@with_controllers
 def run_command(
     plan: Annotated[str | None, typer.Argument(help="Plan file or shipped plan.")] = None,
     simulated: Annotated[bool, typer.Option("--sim", help="In the simulated laboratory.")] = False,
@@ -148,8 +143,6 @@ def run_command(
         list[str] | None, typer.Option(help="Port of the board, or a front-end file.")
     ] = None,
     can: Annotated[str, typer.Option(help="slcan port, or interface:channel.")] = "",
-    ur: UrAddress = "",
-    mqtt: MqttFile = None,
     by_hand: ByHand = None,
     mirror: Mirror = None,
     measured_by: MeasuredBy = "",
@@ -179,6 +172,8 @@ def run_command(
         list[str] | None,
         typer.Option(help="Effect that the simulated arm hides, as payload:faint; repeatable."),
     ] = None,
+    *,
+    controllers: dict[str, str],
 ) -> None:
     """Guide the operator through a session, on screens that can be read from two metres.
 
@@ -194,9 +189,7 @@ def run_command(
         measured_by=measured_by,
         board=port,
         can=can,
-        ur=ur,
-        mqtt=mqtt,
-        by_hand=by_hand,
+        angles=joint_angles(by_hand, can, controllers),
         baud=baud,
         simulated=simulated,
         input_range_v=input_range,

@@ -101,10 +101,9 @@ def sim(
                 say("without --out the ledger goes when the laboratory ends")
         if not as_json:
             speed = "" if time_scale == 1.0 else f" --time-scale {time_scale:g}"
-            say_next(
-                f"run PLAN --board {ports['board']} --can {ports['can']}{speed}",
-                "in another terminal",
-            )
+            of_arm = "" if arm is None else f" --arm {arm}"
+            lines_there = f"--board {ports['board']} --can {ports['can']}"
+            say_next(f"run {plan or 'PLAN'}{of_arm} {lines_there}{speed}", "in another terminal")
         laboratory.wait()
 
 

@@ -9,8 +9,8 @@ from armodal.analyzer.gap.inference.annealing import FEWEST_POSTURES
 from armodal.analyzer.gap.model.hit_levels import has_levels
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan_records import Mode
+from armodal.protocols.session.operator_angles import angles_by_hand
 from armodal.protocols.session.records import Hit, Session
-from armodal.protocols.session.told import told_by_hand
 
 __all__ = ["check_data_requirements", "check_tests", "notes_on"]
 
@@ -97,9 +97,9 @@ def _check_hits(accepted: Sequence[Hit], of_what: str) -> None:
 
 def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
     """What a reader must know of a session that was judged, and of its further tests."""
-    notes = [*told_by_hand(session.header)]
+    notes = [*angles_by_hand(session.header)]
     for number, other in enumerate(more, start=2):
-        notes += [f"test {number}: {said}" for said in told_by_hand(other.header)]
+        notes += [f"test {number}: {said}" for said in angles_by_hand(other.header)]
     of_hits = {hit.posture for hit in session.hits}
     averaged = sorted({frf.posture for frf in session.frfs} - of_hits)
     if of_hits and averaged:

@@ -48,6 +48,10 @@ def c_header(table: Table) -> str:
         *(prototype(layout, "read") + ";" for layout in read(table, on_board=True)),
         "/* Whether the table of messages has a type. */",
         "bool ab_type_known(unsigned type);",
+        "/* Whether a command of the table carries nothing. */",
+        "bool ab_command_is_bare(unsigned type);",
+        "/* Bytes of the record behind code and reason of a command's answer; 0 without one. */",
+        "size_t ab_answer_bytes(unsigned type);",
         "\n/* For a host: host_messages.c. */",
         *(prototype(layout, "write") + ";" for layout in written(table, on_board=False)),
         *(prototype(layout, "read") + ";" for layout in read(table, on_board=False)),
@@ -87,8 +91,9 @@ def _enum(kind: type[IntEnum | IntFlag]) -> str:
 
 
 def _size_lines(table: Table) -> Iterator[str]:
-    # The longest command between its delimiters.
+    # The longest command between its delimiters, and the longest record of an answer.
     yield f"    AB_RECEIVE_BYTES = {table.longest_command - 2}"
+    yield f"    AB_ANSWER_BYTES = {table.longest_answer}"
     for _, layout in _titled(table):
         yield f"    AB_{c_name(layout).upper()}_BYTES = {layout.size}"
 

@@ -94,7 +94,8 @@ def _function(prototype: str, lines: list[str]) -> str:
 
 def c_board_source(table: Table) -> str:
     """Text of `messages.c`: what a board reads and writes, and the types that there are."""
-    return _source(table, on_board=True) + "\n" + _known(table)
+    parts = (_source(table, on_board=True), _known(table), _bare(table), _answers(table))
+    return "\n".join(parts)
 
 
 def c_host_source(table: Table) -> str:
@@ -122,6 +123,23 @@ def _known(table: Table) -> str:
     cases = [f"case {_type_name(table, entry)}:" for entry in table]
     lines = ["switch (type) {", *cases, "    return true;", "default:", "    return false;", "}"]
     return _function("bool ab_type_known(unsigned type)", lines)
+
+
+def _bare(table: Table) -> str:
+    bare = [e for e in table if e.is_command and e.layout is None and not e.message.tail]
+    cases = [f"case {_type_name(table, entry)}:" for entry in bare]
+    lines = ["switch (type) {", *cases, "    return true;", "default:", "    return false;", "}"]
+    return _function("bool ab_command_is_bare(unsigned type)", lines)
+
+
+def _answers(table: Table) -> str:
+    lines = ["switch (type) {"]
+    for entry, layout in table.records():
+        if entry.message.is_answer:
+            size = f"AB_{c_name(layout).upper()}_BYTES"
+            lines += [f"case AB_{table.types(entry.kind - REPLY).name}:", f"    return {size};"]
+    lines += ["default:", "    return 0;", "}"]
+    return _function("size_t ab_answer_bytes(unsigned type)", lines)
 
 
 def _validity(table: Table) -> str:

@@ -74,5 +74,10 @@ class Table:
         sizes = [layout.size for entry, layout in self.records() if entry.is_command]
         return wire_size(max(sizes, default=0))
 
+    @property
+    def longest_answer(self) -> int:
+        """Bytes of the longest record that stands behind code and reason of an answer."""
+        return max(layout.size for entry, layout in self.records() if entry.message.is_answer)
+
 
 TABLE = Table(types=FrameType, messages=MESSAGES)

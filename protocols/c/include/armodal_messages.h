@@ -51,6 +51,7 @@ typedef enum {
 
 enum {
     AB_RECEIVE_BYTES = 65,
+    AB_ANSWER_BYTES = 37,
     AB_HEADER_BYTES = 32,
     AB_FRAGMENT_HEAD_BYTES = 4,
     AB_CONFIGURATION_BYTES = 28,
@@ -156,6 +157,10 @@ bool ab_read_resend(const uint8_t *from, size_t n, ab_resend *m);
 bool ab_read_release(const uint8_t *from, size_t n, ab_release *m);
 /* Whether the table of messages has a type. */
 bool ab_type_known(unsigned type);
+/* Whether a command of the table carries nothing. */
+bool ab_command_is_bare(unsigned type);
+/* Bytes of the record behind code and reason of a command's answer; 0 without one. */
+size_t ab_answer_bytes(unsigned type);
 
 /* For a host: host_messages.c. */
 void ab_write_configuration(uint8_t to[AB_CONFIGURATION_BYTES], const ab_configuration *m);

@@ -112,9 +112,8 @@ static ab_code release(ab_board *board, const uint8_t *payload, size_t n, ab_tex
     return AB_OK;
 }
 
-static void answer_status(ab_board *board, uint16_t tag)
+static ab_code tell_status(const ab_board *board, uint8_t *answer)
 {
-    uint8_t payload[2 + AB_BOARD_STATUS_BYTES] = {AB_OK, 0}; /* no reason */
     ab_board_status status = {0};
 
     status.state = board->state;
@@ -130,12 +129,14 @@ static void answer_status(ab_board *board, uint16_t tag)
     status.stream_samples_dropped = board->stream_dropped;
     status.triggers_missed = board->triggers_missed;
     status.adc_overruns = board->adc_overruns;
-    ab_write_board_status(payload + 2, &status);
-    ab_compose_now(board, AB_STATUS | AB_REPLY, tag, payload, sizeof payload);
+    ab_write_board_status(answer, &status);
+    return AB_OK;
 }
 
+/* Do what a command asks; the only list of commands here, all else is in the table of messages.
+   A refusal writes its reason; what answers with a record writes it at `answer`. */
 static ab_code carry_out(ab_board *board, const ab_header *header, const uint8_t *payload,
-                         size_t n, ab_text *reason)
+                         size_t n, uint8_t *answer, ab_text *reason)
 {
     if (header->session != board->session) {
         ab_text_add(reason, "board session ");
@@ -144,8 +145,7 @@ static ab_code carry_out(ab_board *board, const ab_header *header, const uint8_t
         ab_text_hex(reason, header->session);
         return AB_WRONG_SESSION;
     }
-    if (n != 0 && (header->type == AB_START || header->type == AB_STOP ||
-                   header->type == AB_STATUS))
+    if (n != 0 && ab_command_is_bare(header->type))
         return refuse_payload(reason);
     switch (header->type) {
     case AB_CONFIGURE:
@@ -155,7 +155,7 @@ static ab_code carry_out(ab_board *board, const ab_header *header, const uint8_t
     case AB_STOP:
         return stop(board);
     case AB_STATUS:
-        return AB_OK;
+        return tell_status(board, answer);
     case AB_RESEND:
         return resend(board, payload, n, reason);
     case AB_RELEASE:
@@ -169,6 +169,7 @@ static ab_code carry_out(ab_board *board, const ab_header *header, const uint8_t
 static void answer_command(ab_board *board)
 {
     uint8_t reply[2 + AB_REASON_BYTES];
+    uint8_t answer[2 + AB_ANSWER_BYTES] = {AB_OK, 0}; /* no reason */
     ab_text reason = ab_text_begin((char *)reply + 2, AB_REASON_BYTES);
     ab_header header;
     const uint8_t *payload;
@@ -188,13 +189,14 @@ static void answer_command(ab_board *board)
     }
     if (found == AB_FRAME_VERSION || header.type >= AB_REPLY)
         return;
-    code = carry_out(board, &header, payload, n, &reason);
-    if (header.type == AB_STATUS && code == AB_OK) {
-        answer_status(board, header.tag);
+    code = carry_out(board, &header, payload, n, answer + 2, &reason);
+    if (code == AB_OK) {
+        ab_compose_now(board, header.type | AB_REPLY, header.tag, answer,
+                       2u + ab_answer_bytes(header.type));
         return;
     }
     reply[0] = (uint8_t)code;
-    reply[1] = code == AB_OK ? 0 : (uint8_t)(reason.at - (char *)reply - 2);
+    reply[1] = (uint8_t)(reason.at - (char *)reply - 2);
     ab_compose_now(board, header.type | AB_REPLY, header.tag, reply, 2u + reply[1]);
 }
 

@@ -133,3 +133,26 @@ bool ab_type_known(unsigned type)
         return false;
     }
 }
+
+bool ab_command_is_bare(unsigned type)
+{
+    switch (type) {
+    case AB_HELLO:
+    case AB_START:
+    case AB_STOP:
+    case AB_STATUS:
+        return true;
+    default:
+        return false;
+    }
+}
+
+size_t ab_answer_bytes(unsigned type)
+{
+    switch (type) {
+    case AB_STATUS:
+        return AB_BOARD_STATUS_BYTES;
+    default:
+        return 0;
+    }
+}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.acquisition_run import strike
 
-from armodal.daq.commands import Ready, Stop, ToldPosture
+from armodal.daq.commands import Ready, StatedPosture, Stop
 from armodal.daq.events import JointsSeen
 from armodal.daq.session_machine import PromptKind
 from armodal.protocols.plan import plan_from_text
@@ -33,7 +33,7 @@ def by_hand(lab, start):
 
 def tell(run, **word):
     run.prompt(PromptKind.POSTURE)
-    run.ours.send(ToldPosture(**word))
+    run.ours.send(StatedPosture(**word))
 
 
 def test_no_point_is_asked_for_before_the_operator_has_told_the_posture(lab, by_hand, fakes):
@@ -42,7 +42,7 @@ def test_no_point_is_asked_for_before_the_operator_has_told_the_posture(lab, by_
     assert run.until(lambda e: isinstance(e, JointsSeen)).reading.joints_rad is None
     block = strike(lab, fakes["record"]())
     assert f"block {block} " in run.noted("not used").text
-    run.ours.send(ToldPosture())
+    run.ours.send(StatedPosture())
     run.prompt(PromptKind.POINT)
 
 
@@ -73,7 +73,7 @@ def test_angles_off_the_posture_are_refused_and_asked_for_again(lab, by_hand):
     off = lab.plan.postures[0].joints_rad + math.radians(0.4)
     tell(run, joints_rad=tuple(off))
     run.noted("not taken")
-    run.ours.send(ToldPosture(joints_rad=tuple(off - math.radians(0.2))))
+    run.ours.send(StatedPosture(joints_rad=tuple(off - math.radians(0.2))))
     run.prompt(PromptKind.POINT)
 
 
@@ -86,7 +86,7 @@ def test_every_posture_is_told_anew(lab, by_hand, fakes, arm):
     assert run.prompt(PromptKind.POSTURE).posture.name == "test 2"
     run.ours.send(Ready())
     run.noted("ready came before the arm was at its posture")
-    run.ours.send(ToldPosture())
+    run.ours.send(StatedPosture())
     run.prompt(PromptKind.POINT)
 
 
@@ -103,5 +103,5 @@ def test_told_and_measured_are_never_one_session(lab, by_hand):
 def test_what_is_measured_is_not_told(start):
     run = start()
     run.prompt(PromptKind.POINT)
-    run.ours.send(ToldPosture())
+    run.ours.send(StatedPosture())
     run.noted("was not taken from the operator")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from support.foreign_bytes import read_or_refused, small_files
 from support.mutate import mutated, mutated_text
 
-from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.foreign.inspection import inspect_file
 
 ENDINGS = (
     ".txt",
@@ -46,7 +46,7 @@ def one_sentence(said):
 def test_every_small_file_is_read_as_it_is(files, place):
     for name, data in files.items():
         (place / name).write_bytes(data)
-        looked = look_at(place / name)
+        looked = inspect_file(place / name)
         assert looked.content is not None, name
         if name != "geometry.unv":
             assert looked.content.frfs or looked.content.hits, name

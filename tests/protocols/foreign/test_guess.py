@@ -10,14 +10,14 @@ from support.manifests import hit_signals, run
 
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.guess import guess_manifest
-from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.foreign.inspection import inspect_file
 from armodal.protocols.foreign.manifest import load_manifest
 
 FREQ = 0.25 * np.arange(1, 401)
 
 
 def guess(folder, *names):
-    return guess_manifest([look_at(folder / name) for name in names], folder)
+    return guess_manifest([inspect_file(folder / name) for name in names], folder)
 
 
 def import_guess(folder, found):
@@ -161,7 +161,9 @@ def test_a_guess_finds_its_files_from_its_own_folder(tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "out").mkdir()
     write_frfs(tmp_path / "data", ["größe 'a' \"b\".txt"])
-    found = guess_manifest([look_at(tmp_path / "data" / "größe 'a' \"b\".txt")], tmp_path / "out")
+    found = guess_manifest(
+        [inspect_file(tmp_path / "data" / "größe 'a' \"b\".txt")], tmp_path / "out"
+    )
     (tmp_path / "out" / "m.toml").write_text(found.text, encoding="utf-8")
     assert load_manifest(tmp_path / "out" / "m.toml")
     assert run(tmp_path / "out" / "m.toml").frfs

@@ -23,7 +23,7 @@ from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.daq.judge_imported import judged
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.guess import guess_manifest
-from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.foreign.inspection import inspect_file
 
 N_HITS = len(TIMES_S)
 
@@ -150,7 +150,7 @@ def two_hammers(folder):
 
 def test_two_hammers_in_a_recording_are_two_references(tmp_path):
     two_hammers(tmp_path)
-    looked = look_at(tmp_path / "r.npz")
+    looked = inspect_file(tmp_path / "r.npz")
     assert [doubt.key for doubt in looked.doubts] == ["references"]
     assert 'references = ["?", "?"]' in guess_manifest([looked], tmp_path).text
     with pytest.raises(ForeignFileError, match="2 signals are forces"):

@@ -17,7 +17,7 @@ from armodal.protocols.errors import ArmodalError, ForeignFileError
 from armodal.protocols.foreign.content import read_content
 from armodal.protocols.foreign.file_pairs import with_forces
 from armodal.protocols.foreign.guess import guess_manifest
-from armodal.protocols.foreign.looked_at import look_at
+from armodal.protocols.foreign.inspection import inspect_file
 from armodal.protocols.foreign.measured import Hints, NotToldError
 
 T, FORCE, (RESPONSE,) = hit_signals()
@@ -211,7 +211,7 @@ def test_a_file_that_holds_both_is_no_half_of_a_pair(tmp_path):
 
 def test_a_pair_alone_is_imported_by_the_manifest_guessed_of_it(tmp_path):
     response, force = two(tmp_path, "txt", "txt")
-    looked = [look_at(p, force=f) for p, f in with_forces([force, response])]
+    looked = [inspect_file(p, force=f) for p, f in with_forces([force, response])]
     found = guess_manifest(looked, tmp_path)
     assert not found.doubts
     assert any("its force is in a_force.txt" in text for text in found.guesses)
@@ -245,7 +245,7 @@ def test_any_two_files_are_read_or_refused_in_one_sentence(files, data):
     force.write_bytes(raw)
     said = ""
     try:
-        look_at(folder / name, force=force)
+        inspect_file(folder / name, force=force)
     except ArmodalError as error:
         said = str(error)
     assert "\n" not in said

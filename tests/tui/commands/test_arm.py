@@ -210,6 +210,16 @@ def test_a_point_far_off_its_link_is_refused(made, tmp_path):
     refused(armodal("arm", "check", file), "point 1: wanted it on link flange", "mm off")
 
 
+def test_an_arm_file_is_checked_without_its_meshes(made, tmp_path):
+    file = shutil.copytree(made, tmp_path / "mine") / "robot.toml"
+    shutil.rmtree(file.parent / "meshes")
+    refused(armodal("arm", "check", file), "--no-meshes")
+    said = armodal("arm", "check", file, "--no-meshes", "--json")
+    assert said.returncode == 0, said.stderr
+    rows = json.loads(said.stdout)["links"]
+    assert {row["shape"] for row in rows} == {"capsule"}
+
+
 def test_shipped_arms_are_checked_by_capsules():
     said = armodal("arm", "check", "ur5", "--json")
     assert said.returncode == 0, said.stderr

@@ -22,6 +22,7 @@ from armodal.protocols.errors import ArmodalError
 from armodal.tui.screens.every_action import every_action
 from armodal.tui.screens.key_line import KeyLine
 from armodal.tui.screens.printable_app import PrintableApp
+from armodal.tui.screens.review.background_report import write_report_in_background
 from armodal.tui.screens.review.command_run import ARMODAL
 from armodal.tui.screens.review.leaving import Leaving
 from armodal.tui.screens.review.measuring import Measuring
@@ -38,10 +39,9 @@ from armodal.tui.screens.review.posture_view import (
     fit_picked,
     open_session,
 )
-from armodal.tui.screens.review.report_beside import report_beside
+from armodal.tui.screens.review.recovery_hint import recovery_hint
 from armodal.tui.screens.review.run_pane import RunPane
 from armodal.tui.screens.review.state import ReviewState
-from armodal.tui.screens.review.way_back import way_back
 from armodal.tui.screens.themes import register_themes, use_next_theme
 
 __all__ = ["ReviewApp"]
@@ -175,7 +175,7 @@ class ReviewApp(PrintableApp[int]):
         self.problem = error
         self.say_status("this session cannot be shown")
         trouble = self.query_one("#trouble", Static)
-        trouble.update(f"{error}\n\n{way_back(self.path)}q leaves.")
+        trouble.update(f"{error}\n\n{recovery_hint(self.path)}q leaves.")
         trouble.display = True
 
     async def show_session(self, opened: OpenSession) -> None:
@@ -333,7 +333,7 @@ class ReviewApp(PrintableApp[int]):
     @work(exclusive=True, group="report")
     async def action_report(self) -> None:
         """Write the report beside the session, and say where."""
-        await report_beside(self, self.path, self._command)
+        await write_report_in_background(self, self.path, self._command)
 
     def action_next_theme(self) -> None:
         """Use the next of armodal's themes."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual.widgets import Static
 
 from armodal.analyzer.modal import drift_told
-from armodal.protocols.session.told import told_by_hand
+from armodal.protocols.session.operator_angles import angles_by_hand
 from armodal.tui.screens.review.modes_table import ModesTable
 from armodal.tui.screens.review.state import ReviewState
 
@@ -17,7 +17,7 @@ def model_notes(state: ReviewState) -> tuple[str, ...]:
     model = state.view.model
     if model is None:
         return ()
-    told = told_by_hand(state.opened.session.header)
+    told = angles_by_hand(state.opened.session.header)
     moves = (f"moves: {told.words}" for told in drift_told(model))
     return (*state.view.said, *told, *moves, *model.notes)
 

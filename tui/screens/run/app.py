@@ -77,25 +77,25 @@ class RunApp(PrintableApp[int]):
     TITLE = "armodal run"
     CSS_PATH = "run.tcss"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("enter", "go_on", "Go on", priority=True),
-        Binding("e", "angles", "Type angles"),
-        Binding("m", "move", "Move"),
-        Binding("h", "hand", "Hand"),
-        Binding("s", "simulate", "Simulate"),
-        Binding("a", "take_trigger", "Trigger"),
-        Binding("c", "mass", "Mass"),
-        Binding("t", "retake", "Retake"),
-        Binding("k", "skip", "Skip"),
-        Binding("u", "undo", "Undo"),
+        Binding("enter", "go_on", "Go on", priority=True, tooltip="go on, as the screen says"),
+        Binding("e", "angles", "Type angles", tooltip="type the joint angles read"),
+        Binding("m", "move", "Move", tooltip="move the point in hand"),
+        Binding("h", "hand", "Hand", tooltip="the simulated hand does it"),
+        Binding("s", "simulate", "Simulate", tooltip="simulated laboratory"),
+        Binding("a", "take_trigger", "Trigger", tooltip="take the suggested trigger level"),
+        Binding("c", "mass", "Mass", tooltip="calibrate on a known mass"),
+        Binding("t", "retake", "Retake", tooltip="start the point over"),
+        Binding("k", "skip", "Skip", tooltip="skip the point"),
+        Binding("u", "undo", "Undo", tooltip="take the last accepted hit back"),
         *(
             Binding(screen.key, f"call('{name}')", screen.words)
             for name, screen in operator_screens().items()
             if screen.key
         ),
-        Binding("r", "again", "Try again"),
-        Binding("b", "ring", "Bell"),
-        Binding("question_mark,f1", "help", "Help"),
-        Binding("q", "leave", "Leave"),
+        Binding("r", "again", "Try again", tooltip="try again after a stop"),
+        Binding("b", "ring", "Bell", tooltip="bell at every verdict"),
+        Binding("question_mark,f1", "help", "Help", key_display="?", tooltip="this help"),
+        Binding("q", "leave", "Leave", tooltip="leave; go on another time"),
         Binding("ctrl+q", "leave", "Leave", show=False),
     ]
 
@@ -300,9 +300,10 @@ class RunApp(PrintableApp[int]):
 
     def action_help(self) -> None:
         """Show what the keys do."""
-        screens = self._screens.items()
-        more = [(one.key, one.words) for name, one in screens if one.key and name != PROGRESS]
-        self.push_screen(HelpScreen(more))
+        own = [one for one in self.BINDINGS if isinstance(one, Binding) and one.tooltip]
+        keys = [(self.get_key_display(one), one.tooltip) for one in own]
+        called = [(one.key, one.words.lower()) for one in self._screens.values() if one.key]
+        self.push_screen(HelpScreen(keys + called))
 
     async def action_leave(self) -> None:
         """Leave; what was accepted is in the journal, and the session can be gone on with."""

@@ -17,8 +17,8 @@ from armodal.daq.commands import (
     Ready,
     Retake,
     Skip,
+    StatedPosture,
     Stop,
-    ToldPosture,
     TriggerLevel,
     Withdraw,
 )
@@ -221,7 +221,7 @@ class Conductor:
         """Say where the arm stands: at the planned angles, or at those typed, in degrees."""
         if self.state.awaits_word:
             typed = None if joints_deg is None else tuple(math.radians(x) for x in joints_deg)
-            self._engine.send(ToldPosture(joints_rad=typed))
+            self._engine.send(StatedPosture(joints_rad=typed))
 
     async def move_point(self, typed: str) -> None:
         """Put the point in hand elsewhere on its link, as typed."""
@@ -372,8 +372,7 @@ class Conductor:
             board_port=self.state.board_port,
             board_baud=self.options.baud,
             can_channel="" if self.options.without_bus else self.state.can_channel,
-            ur_address=self.options.ur,
-            mqtt=self.options.mqtt,
+            controller=self.options.controller,
             mirror=self.options.mirror,
             teds_confirmed=self.state.sensors_confirmed,
             input_range_v=self.state.input_range_v,

@@ -1,9 +1,11 @@
-"""Help: what the keys do, in the order they are needed."""
+"""Help: how a session goes, and what the keys do."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import zip_longest
 
+from rich.markup import escape
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
@@ -14,24 +16,16 @@ __all__ = ["HelpScreen"]
 
 WORDS = """\
 [b]How a session goes[/b]
- Lab       see that board, controller and sensors are well; Enter confirms, Enter begins
- Posture   bring the arm to its posture; it goes on by itself once the arm is still
-           Enter says that the arm is held and safe to approach
- Point     mount the sensor as shown; Enter says that it is ready
- Hit       hit until the point has its hits; only "ACCEPTED" counts, it is in the journal
+ Lab      see that every device is well; Enter confirms, Enter begins
+ Posture  bring the arm to its posture; Enter says that it is held and safe
+ Point    mount the sensor as shown; Enter says that it is ready
+ Hit      hit until the point has its hits; only "ACCEPTED" counts
 
 [b]Keys[/b]
- Enter  go on, as the screen says       h  the simulated hand does what is asked
- t      start the point over            k  skip the point
- u      take the last accepted hit back g  progress; arrows and Enter jump to a point
- e      type the joint angles read, where no device tells them
- m      move the point in hand, before its first accepted hit
- s      simulated laboratory            a  take the suggested trigger level
- c      calibrate hammer and accelerometer on a known mass
- r      try again after a stop          b  bell at every verdict
- q      leave: come back with the same command, it goes on at the same point
+{keys}
+ arrows at a point: walk around the arm; in the grid: choose a point
  ctrl+p all commands and themes
-{more}
+
 Closing the window, or killing this program, loses no hit: another process measures.
 Any key closes this help.
 """
@@ -42,18 +36,21 @@ class HelpScreen(ModalScreen[None]):
 
     Parameters
     ----------
-    more
-        Further keys, and what they do.
+    keys
+        Every key as it is written, and what it does; two stand in a line.
     """
 
-    def __init__(self, more: Iterable[tuple[str, str]] = ()) -> None:
+    def __init__(self, keys: Iterable[tuple[str, str]]) -> None:
         super().__init__()
-        self._more = "".join(f" {key:6} {words.lower()}\n" for key, words in more)
+        told = [f"{key:3} {words}" for key, words in keys]
+        half = (len(told) + 1) // 2
+        pairs = zip_longest(told[:half], told[half:], fillvalue="")
+        self._keys = escape("\n".join(f" {left:37}{right}".rstrip() for left, right in pairs))
 
     def compose(self) -> ComposeResult:
         """The words."""
         with VerticalScroll(id="help"):
-            yield Static(WORDS.format(more=self._more))
+            yield Static(WORDS.format(keys=self._keys))
 
     def on_key(self, event: events.Key) -> None:
         """Go back."""

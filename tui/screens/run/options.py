@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from armodal.daq.controller import Controller
 from armodal.protocols.frf_records import FrequencyResponse
-from armodal.protocols.mqtt_joints import MqttJoints
 from armodal.protocols.sensor_memory import KnownSensor
 from armodal.tui.screens.run.place import SessionPlace
 
@@ -21,8 +21,7 @@ class RunOptions:
     place: SessionPlace
     board: str = ""
     can: str = ""
-    ur: str = ""  # address of a Universal Robots controller, in place of the bus
-    mqtt: MqttJoints | None = None  # a broker's topic, in place of the bus
+    controller: Controller | None = None  # tells joint angles in place of the bus
     arm_folder: Path | None = None  # where the arm file and its meshes lie
     told_rad: float | None = None  # joint angles are told by the operator, to so much
     measured_by: str = ""
@@ -42,7 +41,7 @@ class RunOptions:
     @property
     def joint_source(self) -> str:
         """Where joint angles come from, in place of the bus; empty: from the bus, or a person."""
-        return self.ur or ("" if self.mqtt is None else self.mqtt.broker)
+        return "" if self.controller is None else self.controller.address
 
     @property
     def without_bus(self) -> bool:

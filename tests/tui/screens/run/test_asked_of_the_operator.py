@@ -20,7 +20,7 @@ from support.made_run import (
 )
 from support.stage import Stage, play
 
-from armodal.daq.commands import MovePoint, Note, Ready, Retake, Skip, ToldPosture, Withdraw
+from armodal.daq.commands import MovePoint, Note, Ready, Retake, Skip, StatedPosture, Withdraw
 from armodal.daq.events import PointMoved
 from armodal.daq.session_machine import begin, hit_judged, point_ready, posture_reached
 from armodal.protocols.plan_records import KnownMass
@@ -243,7 +243,7 @@ def test_angles_by_hand_are_confirmed_or_typed(tmp_path):
         await stage.tell(pilot, *SESSION_EVENTS[len(LAB_EVENTS) :], reading(None))
         assert "Enter: it stands as wanted, by your reading to 0.2°, and is held" in stage.text()
         await pilot.press("enter")
-        assert stage.sent == [ToldPosture()]
+        assert stage.sent == [StatedPosture()]
         await pilot.press("e")
         await pilot.pause()
         await pilot.press(*"-25 90 0 0", "enter")

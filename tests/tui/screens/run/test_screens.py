@@ -19,7 +19,7 @@ from support.made_run import (
     reading,
     trial,
 )
-from support.screen import screen_rows
+from support.screen import screen_rows, screen_text
 from support.stage import Stage, play
 
 from armodal.daq.events import Failed, LossNoted
@@ -176,13 +176,17 @@ def test_without_colour_every_state_is_still_told_apart(tmp_path, monkeypatch):
     play(stage, body)
 
 
-def test_help_comes_and_goes(tmp_path):
+def test_help_names_every_key_and_goes(tmp_path):
     stage = Stage(tmp_path)
 
     async def body(pilot):
         await pilot.press("question_mark")
         await pilot.pause()
         assert type(stage.app.screen).__name__ == "HelpScreen"
+        text = screen_text(stage.app)
+        for binding in stage.app.BINDINGS:
+            assert binding.tooltip is None or binding.tooltip in text
+        assert "Any key closes this help" in text
         await pilot.press("space")
         await pilot.pause()
         assert type(stage.app.screen).__name__ == "LabScreen"

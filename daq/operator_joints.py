@@ -11,17 +11,17 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from armodal.daq.commands import ToldPosture
+from armodal.daq.commands import StatedPosture
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.plan_records import PlannedPosture
 from armodal.protocols.session.records import JointReading
 
-__all__ = ["ToldJoints", "ToldSource", "told_refusal", "told_within_rad"]
+__all__ = ["OperatorJoints", "OperatorSource", "allowed_deviation_rad", "posture_refusal"]
 
 ROUNDING_RAD = 1e-9  # of degrees to radians and back
 
 
-class ToldJoints:
+class OperatorJoints:
     """What a person has said of the posture in hand."""
 
     frames = 0
@@ -81,7 +81,7 @@ class ToldJoints:
         return 0.0
 
 
-def told_within_rad(tolerance_rad: float, told_rad: float) -> float:
+def allowed_deviation_rad(tolerance_rad: float, told_rad: float) -> float:
     """Return how far from a posture an angle told to `told_rad` may be, so that it is surely there.
 
     Two equal tolerances leave room for rounding, and no more.
@@ -89,7 +89,7 @@ def told_within_rad(tolerance_rad: float, told_rad: float) -> float:
     return max(tolerance_rad - told_rad, 0.0) + ROUNDING_RAD
 
 
-def told_refusal(word: ToldPosture, posture: PlannedPosture, told_rad: float) -> str:
+def posture_refusal(word: StatedPosture, posture: PlannedPosture, told_rad: float) -> str:
     """Return why angles told to `told_rad` are not those of a posture; empty where they are."""
     if word.joints_rad is None:
         return ""
@@ -97,7 +97,7 @@ def told_refusal(word: ToldPosture, posture: PlannedPosture, told_rad: float) ->
     if joints_rad.shape != planned_rad.shape or not np.isfinite(joints_rad).all():
         return f"wanted {planned_rad.size} joint angles, got {joints_rad.size}; tell them all"
     off_rad = np.abs(joints_rad - planned_rad)
-    allowed_rad = told_within_rad(posture.tolerance_rad, told_rad)
+    allowed_rad = allowed_deviation_rad(posture.tolerance_rad, told_rad)
     joint = int(off_rad.argmax())
     if off_rad[joint] <= allowed_rad:
         return ""
@@ -108,7 +108,7 @@ def told_refusal(word: ToldPosture, posture: PlannedPosture, told_rad: float) ->
     )
 
 
-class ToldSource:
+class OperatorSource:
     """The person as a source; there is no line.
 
     Parameters
@@ -121,7 +121,7 @@ class ToldSource:
     faults = 0
 
     def __init__(self, tolerance_rad: float) -> None:
-        self.joints = ToldJoints()
+        self.joints = OperatorJoints()
         self._tolerance_rad = tolerance_rad
 
     def fileno(self) -> int:
@@ -134,11 +134,13 @@ class ToldSource:
     def hear(self) -> None:
         """Do nothing."""
 
-    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
+    def take_posture(
+        self, word: StatedPosture, posture: PlannedPosture | None, now_s: float
+    ) -> str:
         """Take the angles, if the arm is at the posture with all they may be off."""
         if posture is None:
             return "joint angles were given when no posture was asked for: not taken"
-        refused = told_refusal(word, posture, self._tolerance_rad)
+        refused = posture_refusal(word, posture, self._tolerance_rad)
         if refused:
             return f"{refused}: not taken"
         planned_rad = posture.joints_rad

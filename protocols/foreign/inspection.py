@@ -14,7 +14,7 @@ from armodal.protocols.foreign.measured import Content, Hints, NotToldError, par
 from armodal.protocols.foreign.variables import Listed
 from armodal.protocols.frf_records import FrfForm
 
-__all__ = ["Doubt", "LookedAt", "look_at"]
+__all__ = ["Doubt", "Inspection", "inspect_file"]
 
 _MOST_QUESTIONS = 8
 
@@ -28,7 +28,7 @@ class Doubt:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LookedAt:
+class Inspection:
     """One file; `keys` are what the manifest says about it."""
 
     path: Path
@@ -41,7 +41,7 @@ class LookedAt:
     doubts: tuple[Doubt, ...] = ()
 
 
-def look_at(path: Path, *, kind: str | None = None, force: Path | None = None) -> LookedAt:
+def inspect_file(path: Path, *, kind: str | None = None, force: Path | None = None) -> Inspection:
     """Read a file with nothing told about it, guessing what can be guessed.
 
     Parameters
@@ -78,7 +78,7 @@ def look_at(path: Path, *, kind: str | None = None, force: Path | None = None) -
             break
     with path.open("rb") as file:
         name = format_of(file.read(HEAD_BYTES), path.suffix).name
-    return LookedAt(
+    return Inspection(
         path=path,
         format=name,
         force=force,

@@ -16,10 +16,10 @@ from support.rtde_server import RtdeServer
 
 from armodal.daq.clock import SystemClock
 from armodal.daq.commands import Stop
+from armodal.daq.controllers.ur import OPTION, RATE_HZ, STALE_AFTER_S, RtdeSource, ur_joints
 from armodal.daq.events import DeviceTrouble, Finished, JointsSeen
 from armodal.daq.lab_watch import run_lab_watch
-from armodal.daq.open_joints import check_ur, hear_every_joint
-from armodal.daq.rtde_joints import RATE_HZ, STALE_AFTER_S, RtdeSource, ur_joints
+from armodal.daq.open_joints import hear_every_joint
 from armodal.protocols.errors import (
     ArmError,
     CanError,
@@ -62,7 +62,9 @@ def by_rtde(lab, start, serve):
     """A session whose angles come from a controller beside the fake board."""
     lab.controller.unplug()  # there is no bus
     server = serve(lab.plan.postures[0].joints_rad)
-    return server, lambda **changes: start(can_channel="", ur_address=server.address, **changes)
+    return server, lambda **changes: start(
+        can_channel="", controller=OPTION.controller(server.address), **changes
+    )
 
 
 def test_angles_are_known_until_they_are_stale():
@@ -114,7 +116,7 @@ def test_a_controller_that_does_not_tell_is_refused(serve, how, kind, words):
 
 
 def test_a_silent_listener_is_no_controller(serve, monkeypatch):
-    monkeypatch.setattr("armodal.daq.rtde_joints.ANSWER_WALL_S", 0.1)
+    monkeypatch.setattr("armodal.daq.controllers.ur.ANSWER_WALL_S", 0.1)
     with pytest.raises(DeviceTimeoutError, match=r"does not answer in 0.1 s: is it a Universal"):
         RtdeSource(serve(mute=True).address)
 
@@ -154,9 +156,8 @@ def test_a_controller_that_goes_is_lost(serve):
 
 
 def test_an_arm_of_other_joints_is_refused(arm):
-    check_ur(arm)
     with pytest.raises(ArmError, match="tells 6 angles"):
-        check_ur(replace(arm, joints=arm.joints[:5]))
+        OPTION.controller("127.0.0.1").open(replace(arm, joints=arm.joints[:5]))
 
 
 def test_a_hit_is_judged_by_the_controller_s_angles(lab, by_rtde, fakes):
@@ -198,7 +199,11 @@ def test_nothing_but_requests_to_listen_is_sent_over_a_whole_session(lab, fakes,
     lab.controller.unplug()
     server = serve(lab.plan.postures[0].joints_rad, scale=SCALE)
     end, code = whole_session(
-        lab, fakes["record"](), can_channel="", ur_address=server.address, can_timeout_s=60.0
+        lab,
+        fakes["record"](),
+        can_channel="",
+        controller=OPTION.controller(server.address),
+        can_timeout_s=60.0,
     )
     assert isinstance(end, Finished)
     assert (code, end.complete) == (0, True)
@@ -208,7 +213,9 @@ def test_nothing_but_requests_to_listen_is_sent_over_a_whole_session(lab, fakes,
 def test_before_a_session_the_controller_is_watched_too(lab, serve):
     server = serve(lab.plan.postures[0].joints_rad)
     ours, theirs = multiprocessing.Pipe()
-    settings = settings_of(lab, can_channel="", ur_address=server.address, time_scale=1.0)
+    settings = settings_of(
+        lab, can_channel="", controller=OPTION.controller(server.address), time_scale=1.0
+    )
     watch = threading.Thread(target=run_lab_watch, args=(settings, theirs))
     watch.start()
     while not (isinstance(event := ours.recv(), JointsSeen) and event.reading.held):

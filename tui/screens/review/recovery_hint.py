@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-__all__ = ["way_back"]
+__all__ = ["recovery_hint"]
 
 
-def way_back(session: Path) -> str:
+def recovery_hint(session: Path) -> str:
     """Return how the session is rebuilt; empty where no journal lies beside it."""
     journal = session.with_suffix(".journal")
     if not journal.is_file():

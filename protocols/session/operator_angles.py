@@ -6,10 +6,10 @@ import math
 
 from armodal.protocols.session.records import SessionHeader
 
-__all__ = ["told_by_hand"]
+__all__ = ["angles_by_hand"]
 
 
-def told_by_hand(header: SessionHeader) -> tuple[str, ...]:
+def angles_by_hand(header: SessionHeader) -> tuple[str, ...]:
     """Return the sentence that every result of such a session carries; none for measured angles."""
     told_rad = header.told_tolerance_rad
     if told_rad is None:

@@ -10,10 +10,16 @@ import socket
 import time
 from collections.abc import Iterator
 
-from armodal.daq.commands import ToldPosture
+from armodal.daq.controller import AtAddress, ControllerOption
+from armodal.daq.joint_source import MeasuredAngles
 from armodal.daq.timed_joints import TimedJoints
-from armodal.protocols.errors import ControllerError, DeviceLostError, DeviceTimeoutError
-from armodal.protocols.plan_records import PlannedPosture
+from armodal.protocols.arm.records import Arm
+from armodal.protocols.errors import (
+    ArmError,
+    ControllerError,
+    DeviceLostError,
+    DeviceTimeoutError,
+)
 from armodal.protocols.rtde import (
     JOINTS,
     RtdeKind,
@@ -28,7 +34,7 @@ from armodal.protocols.rtde import (
     request_version,
 )
 
-__all__ = ["RtdeSource", "ur_joints"]
+__all__ = ["OPTION", "RtdeSource", "ur_joints", "ur_source"]
 
 PORT = 30004
 RATE_HZ = 125.0  # what every controller of the CB3 and e-Series sends
@@ -43,7 +49,7 @@ def ur_joints() -> TimedJoints:
     return TimedJoints(names, rate_hz=RATE_HZ, stale_after_s=STALE_AFTER_S)
 
 
-class RtdeSource:
+class RtdeSource(MeasuredAngles):
     """A controller that tells its joint angles.
 
     Parameters
@@ -100,14 +106,6 @@ class RtdeSource:
             for package in self._parser.feed(data):
                 if package.kind is RtdeKind.DATA:
                     self.joints.take(decode_sample(package.payload, self._recipe), at_s)
-
-    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
-        """Refuse it: what is measured is not mixed with what is told."""
-        del word, posture, now_s
-        return "where the arm stands is measured, and was not taken from the operator"
-
-    def begin_posture(self) -> None:
-        """Do nothing: angles are measured again and again."""
 
     def silence(self) -> str:
         """Say what is missing."""
@@ -188,3 +186,20 @@ def _connect(host: str, port: int) -> socket.socket:
         raise ControllerError(
             f"{host}:{port} cannot be reached from this computer: check address and network"
         ) from error
+
+
+def ur_source(address: str, arm: Arm) -> RtdeSource:
+    """Connect to a controller, if the arm can be its own."""
+    if len(arm.joints) != JOINTS:
+        raise ArmError(
+            f"arm {arm.name} has {len(arm.joints)} joints, a Universal Robots controller tells "
+            f"{JOINTS} angles: give the arm file of this robot"
+        )
+    return RtdeSource(address)
+
+
+OPTION = ControllerOption(
+    metavar="HOST[:PORT]",
+    help="joint angles from a Universal Robots controller (RTDE).",
+    controller=lambda given: AtAddress(address=given, source=ur_source),
+)

@@ -15,9 +15,9 @@ from support.mqtt_broker import CONNECT, DISCONNECT, PINGREQ, PUBLISH, SUBSCRIBE
 
 from armodal.daq.clock import SystemClock
 from armodal.daq.commands import Stop
+from armodal.daq.controllers.mqtt import MqttController, MqttSource
 from armodal.daq.events import DeviceTrouble, Finished, JointsSeen
 from armodal.daq.lab_watch import run_lab_watch
-from armodal.daq.mqtt_joints import MqttSource
 from armodal.daq.open_joints import hear_every_joint
 from armodal.protocols.errors import (
     CanError,
@@ -79,7 +79,9 @@ def by_mqtt(lab, start, serve):
     """A session whose angles come from a broker beside the fake board."""
     lab.controller.unplug()  # there is no bus
     broker = serve(Controller(lab.plan.postures[0].joints_rad))
-    return broker, lambda **changes: start(can_channel="", mqtt=wanted(broker.address), **changes)
+    return broker, lambda **changes: start(
+        can_channel="", controller=MqttController(wanted=wanted(broker.address)), **changes
+    )
 
 
 def hear_until(source, done, seconds=5.0):
@@ -147,7 +149,7 @@ def test_messages_that_cannot_be_read_are_counted_and_said(serve):
     ],
 )
 def test_a_broker_that_does_not_do_what_is_wanted_is_told(serve, monkeypatch, how, error, words):
-    monkeypatch.setattr("armodal.daq.mqtt_joints.ANSWER_WALL_S", 0.5)
+    monkeypatch.setattr("armodal.daq.controllers.mqtt.ANSWER_WALL_S", 0.5)
     broker = serve()
     for name, value in how.items():
         setattr(broker, name, value)
@@ -214,7 +216,11 @@ def test_nothing_is_published_over_a_whole_session(lab, fakes, serve):
     lab.controller.unplug()
     broker = serve(Controller(lab.plan.postures[0].joints_rad), scale=SCALE)
     end, code = whole_session(
-        lab, fakes["record"](), can_channel="", mqtt=wanted(broker.address), can_timeout_s=60.0
+        lab,
+        fakes["record"](),
+        can_channel="",
+        controller=MqttController(wanted=wanted(broker.address)),
+        can_timeout_s=60.0,
     )
     assert isinstance(end, Finished)
     assert (code, end.complete) == (0, True)
@@ -228,7 +234,12 @@ def test_nothing_is_published_over_a_whole_session(lab, fakes, serve):
 def test_before_a_session_the_broker_is_watched_too(lab, serve):
     broker = serve(Controller(lab.plan.postures[0].joints_rad))
     ours, theirs = multiprocessing.Pipe()
-    settings = settings_of(lab, can_channel="", mqtt=wanted(broker.address), time_scale=1.0)
+    settings = settings_of(
+        lab,
+        can_channel="",
+        controller=MqttController(wanted=wanted(broker.address)),
+        time_scale=1.0,
+    )
     watch = threading.Thread(target=run_lab_watch, args=(settings, theirs))
     watch.start()
     while not (isinstance(event := ours.recv(), JointsSeen) and event.reading.held):

@@ -4,11 +4,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from armodal.daq.commands import ToldPosture
+from armodal.daq.commands import StatedPosture
 from armodal.daq.joint_source import CanJoints
 from armodal.daq.joint_state import JointState
 from armodal.daq.open_joints import check_told
-from armodal.daq.told_joints import ToldSource, told_refusal
+from armodal.daq.operator_joints import OperatorSource, posture_refusal
 from armodal.protocols.errors import PlanError
 
 TOLD_RAD = math.radians(0.2)
@@ -23,14 +23,14 @@ def posture(plan):
 def word_off(posture, off_deg):
     joints_rad = posture.joints_rad.copy()
     joints_rad[2] += math.radians(off_deg)
-    return ToldPosture(joints_rad=tuple(joints_rad))
+    return StatedPosture(joints_rad=tuple(joints_rad))
 
 
 def test_nothing_is_known_before_it_is_told(posture):
-    source = ToldSource(TOLD_RAD)
+    source = OperatorSource(TOLD_RAD)
     assert source.joints.reading(1.0).joints_rad is None
     assert source.joints.spread_rad(0.0) is None
-    source.take_word(ToldPosture(), posture, 2.0)
+    source.take_posture(StatedPosture(), posture, 2.0)
     assert source.joints.reading_before(1.9).joints_rad is None
     told = source.joints.reading_before(5.0)
     np.testing.assert_array_equal(told.joints_rad, posture.joints_rad)
@@ -38,16 +38,16 @@ def test_nothing_is_known_before_it_is_told(posture):
 
 
 def test_what_was_told_of_a_posture_ends_with_it(posture):
-    source = ToldSource(TOLD_RAD)
-    source.take_word(ToldPosture(), posture, 2.0)
+    source = OperatorSource(TOLD_RAD)
+    source.take_posture(StatedPosture(), posture, 2.0)
     source.begin_posture()
     assert source.joints.reading(3.0).joints_rad is None
 
 
 def test_angles_typed_are_kept_as_they_were_typed(posture):
-    source = ToldSource(TOLD_RAD)
+    source = OperatorSource(TOLD_RAD)
     word = word_off(posture, 0.29)
-    said = source.take_word(word, posture, 2.0)
+    said = source.take_posture(word, posture, 2.0)
     assert "told by the operator" in said
     assert "to 0.2 deg, and held" in said
     np.testing.assert_array_equal(source.joints.reading(2.0).joints_rad, word.joints_rad)
@@ -55,14 +55,14 @@ def test_angles_typed_are_kept_as_they_were_typed(posture):
 
 def test_an_angle_that_may_lie_outside_the_posture_is_refused(posture):
     # 0.5 deg less the 0.2 deg that the word may be off.
-    said = ToldSource(TOLD_RAD).take_word(word_off(posture, 0.31), posture, 2.0)
+    said = OperatorSource(TOLD_RAD).take_posture(word_off(posture, 0.31), posture, 2.0)
     assert "joint 3 was given 0.31 deg off posture test 1, 0.30 allowed" in said
     assert "not taken" in said
 
 
 def test_too_few_angles_are_refused(posture):
-    word = ToldPosture(joints_rad=(0.0, 0.0))
-    assert "wanted 6 joint angles, got 2" in told_refusal(word, posture, TOLD_RAD)
+    word = StatedPosture(joints_rad=(0.0, 0.0))
+    assert "wanted 6 joint angles, got 2" in posture_refusal(word, posture, TOLD_RAD)
 
 
 def test_a_plan_that_wants_more_than_can_be_told_is_refused(plan):
@@ -72,11 +72,11 @@ def test_a_plan_that_wants_more_than_can_be_told_is_refused(plan):
 
 
 def test_a_word_at_no_posture_is_not_taken():
-    source = ToldSource(TOLD_RAD)
-    assert "not taken" in source.take_word(ToldPosture(), None, 1.0)
+    source = OperatorSource(TOLD_RAD)
+    assert "not taken" in source.take_posture(StatedPosture(), None, 1.0)
     assert source.joints.reading(1.0).joints_rad is None
 
 
 def test_a_bus_takes_no_word(arm):
     bus = CanJoints(SimpleNamespace(name="bus"), JointState(arm.can, ["joint_1"]))
-    assert "measured" in bus.take_word(ToldPosture(), None, 1.0)
+    assert "measured" in bus.take_posture(StatedPosture(), None, 1.0)

@@ -11,21 +11,24 @@ import select
 import time
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from armodal.daq.commands import ToldPosture
+from armodal.daq.controller import ControllerOption
+from armodal.daq.joint_source import MeasuredAngles
 from armodal.daq.timed_joints import TimedJoints
+from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import (
     ControllerError,
     DeviceLostError,
     DeviceTimeoutError,
     MissingPackageError,
 )
-from armodal.protocols.mqtt_joints import MqttJoints
+from armodal.protocols.mqtt_joints import MqttJoints, load_mqtt_joints
 from armodal.protocols.os_words import os_words
-from armodal.protocols.plan_records import PlannedPosture
 
-__all__ = ["MqttSource", "mqtt_package"]
+__all__ = ["OPTION", "MqttController", "MqttSource", "mqtt_package"]
 
 PORT = 1883
 ANSWER_WALL_S = 3.0
@@ -46,7 +49,7 @@ def mqtt_package() -> Any:
         ) from error
 
 
-class MqttSource:
+class MqttSource(MeasuredAngles):
     """A topic of a broker that tells joint angles.
 
     Parameters
@@ -123,14 +126,6 @@ class MqttSource:
         for at_s, message in fetched:
             self.joints.take(self._wanted.sample(message, self._n_joints), at_s)
 
-    def take_word(self, word: ToldPosture, posture: PlannedPosture | None, now_s: float) -> str:
-        """Refuse it: what is measured is not mixed with what is told."""
-        del word, posture, now_s
-        return "where the arm stands is measured, and was not taken from the operator"
-
-    def begin_posture(self) -> None:
-        """Do nothing: angles are measured again and again."""
-
     def silence(self) -> str:
         """Say what is missing, and what may be the reason."""
         if self.joints.invalid:
@@ -196,3 +191,27 @@ class MqttSource:
 
 def _never(*_anything: Any, **_named: Any) -> None:
     raise AssertionError("this program publishes nothing")  # pragma: no cover - nobody calls it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MqttController:
+    """A controller that publishes to a broker."""
+
+    wanted: MqttJoints
+
+    @property
+    def address(self) -> str:
+        """The broker."""
+        return self.wanted.broker
+
+    def open(self, arm: Arm) -> MqttSource:
+        """Subscribe to the topic of its angles."""
+        return MqttSource(self.wanted, [joint.name for joint in arm.joints])
+
+
+OPTION = ControllerOption(
+    metavar="FILE",
+    help="joint angles from an MQTT broker, by a file that says where.",
+    controller=lambda given: MqttController(wanted=load_mqtt_joints(Path(given))),
+    package=mqtt_package,
+)

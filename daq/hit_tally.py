@@ -9,10 +9,10 @@ from armodal.protocols.plan_records import Plan
 from armodal.protocols.session.progress import roving_point
 from armodal.protocols.session.records import Hit
 
-__all__ = ["KeptHits"]
+__all__ = ["HitTally"]
 
 
-class KeptHits:
+class HitTally:
     """Counts hits, and remembers the accepted ones so that the last can be taken back.
 
     Attributes

@@ -10,10 +10,12 @@ from textual.app import App
 from armodal.protocols.errors import ArmodalError
 from armodal.tui.screens.review.command_run import CommandRun
 
-__all__ = ["report_beside"]
+__all__ = ["write_report_in_background"]
 
 
-async def report_beside(app: App[Any], session: Path, command: tuple[str, ...]) -> None:
+async def write_report_in_background(
+    app: App[Any], session: Path, command: tuple[str, ...]
+) -> None:
     """Write the report beside the session; say that it begins, and where it is or why not."""
     app.notify("the report is being written: some ten seconds")
     run = CommandRun(("report", str(session), "--json"), lambda _: None, command)
