@@ -107,12 +107,16 @@ APART = 6.0  # nats
 RELAXES = {"size": Parameter(name="size", unit="", mean=0.0, std=10.0)}
 TERM = Instance(effect=bearing.WORDS, place="j1", parameters=tuple(RELAXES.values()))
 RELAXATION = Instance(effect=encoder_offset.WORDS, place="j1", relaxes=RELAXES)
-OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
+OF_1000 = SimpleNamespace(
+    weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(name=name) for name in "pq"]
+)
 
 
 def fit_that_leaves(misfit, *instances):
     """What of a fit the step looks at."""
-    return made_fit(Hypothesis(ordinary=None, instances=instances), cost=0.5 * 1000 * misfit)
+    half = 0.5 * 0.5 * 1000 * misfit  # of each posture
+    hypothesis = Hypothesis(ordinary=None, instances=instances)
+    return made_fit(hypothesis, cost=2.0 * half, misfit=(half, half))
 
 
 def step_where(better, present, gains, monkeypatch, n_named=0):
