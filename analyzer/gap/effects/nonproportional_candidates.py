@@ -23,7 +23,7 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import PostureGeometry
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.weigh import summed
+from armodal.analyzer.gap.model.weighed_sums import summed
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["linear_candidates"]

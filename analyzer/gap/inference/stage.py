@@ -16,14 +16,8 @@ from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.mounting_errors import mounting_error_columns
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.space import Space
-from armodal.analyzer.gap.model.weigh import (
-    Discrepancy,
-    Quadratic,
-    Weighing,
-    costs_of,
-    sloped,
-    summed,
-)
+from armodal.analyzer.gap.model.weigh import Discrepancy, Quadratic, Weighing
+from armodal.analyzer.gap.model.weighed_sums import costs_of, sloped, summed
 
 __all__ = ["Stage", "models_of"]
 

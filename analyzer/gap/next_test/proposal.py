@@ -21,7 +21,8 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.space import Parameter, Space
-from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing, summed
+from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing
+from armodal.analyzer.gap.model.weighed_sums import summed
 from armodal.analyzer.gap.next_test.possible_tests import Doable, Test, possible_tests
 from armodal.analyzer.gap.search.scan import Candidate
 from armodal.protocols.arm.records import Tolerances

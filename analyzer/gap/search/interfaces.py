@@ -24,7 +24,7 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
-from armodal.analyzer.gap.model.weigh import summed
+from armodal.analyzer.gap.model.weighed_sums import summed
 from armodal.protocols.arrays import frozen_array
 
 __all__ = ["PAIRS", "Line", "best_lines", "left_after", "lines_of_interfaces"]

@@ -5,8 +5,14 @@ import pytest
 
 from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.lines import PostureLines
-from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing, costs_of, sloped, summed
+from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing
+from armodal.analyzer.gap.model.weighed_sums import costs_of, sloped, summed
 from armodal.protocols.arm.files import load_arm
+
+
+def alone(weighing, y, dy):
+    """Misfit of one prediction with its derivatives (n, m, 3, L)."""
+    return summed([weighing], y[None], Columns.of(dy[:, None]), [0])[0]
 
 
 def made_lines(rng, n_lines=4, mountings=2):
@@ -63,7 +69,7 @@ def test_gradient_and_curvature_are_those_of_the_cost_s_linear_model(setup):
     rng, lines, weighing, y = setup
     shape = (3, *lines.values.shape)
     dy = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
-    found = weighing.quadratic(y, dy)
+    found = alone(weighing, y, dy)
     assert found.cost == pytest.approx(dense(weighing, y), rel=1e-10)
 
     # The columns of the mounting's errors stay where they are, as Gauss-Newton has them.
@@ -87,10 +93,10 @@ def test_measurements_that_share_predictions_weigh_as_each_alone():
     y = rng.standard_normal((3, *shape)) + 1j * rng.standard_normal((3, *shape))
     dy = rng.standard_normal((5, 3, *shape)) + 1j * rng.standard_normal((5, 3, *shape))
     whole, costs = summed(weighings, y, Columns.of(dy), at)
-    alone = [w.quadratic(y[p], dy[:, p]) for w, p in zip(weighings, at, strict=True)]
-    np.testing.assert_allclose(costs, [one.cost for one in alone], rtol=1e-12)
-    np.testing.assert_allclose(whole.gradient, sum(one.gradient for one in alone), rtol=1e-9)
-    np.testing.assert_allclose(whole.curvature, sum(one.curvature for one in alone), rtol=1e-9)
+    each = [alone(w, y[p], dy[:, p]) for w, p in zip(weighings, at, strict=True)]
+    np.testing.assert_allclose(costs, [one.cost for one in each], rtol=1e-12)
+    np.testing.assert_allclose(whole.gradient, sum(one.gradient for one in each), rtol=1e-9)
+    np.testing.assert_allclose(whole.curvature, sum(one.curvature for one in each), rtol=1e-9)
 
 
 # Parameters of each point's place, at every other mounting.
