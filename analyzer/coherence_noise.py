@@ -35,8 +35,8 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
+import scipy
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.special import gammaincinv, log_ndtr
 
 __all__ = ["CoherenceNoise", "coherence_noise"]
 
@@ -116,7 +116,7 @@ def _level(share: _Real, size: _Real, resolution: float, several: float) -> _Rea
     raw = size * share / ((1.0 - np.clip(share, 0.0, 1.0 - _LEAST_COHERENCE)) * several)
     error = (resolution * size) ** 2 / several
     # Sums of n - 1 squared magnitudes have their median below their mean.
-    below = float(gammaincinv(several, 0.5)) / several
+    below = float(scipy.special.gammaincinv(several, 0.5)) / several
     least = _LEAST_LEVEL * size.mean()
     level = np.full(share.size, np.sqrt(error.min()) + least)
     for _ in range(_ROUNDS):
@@ -166,7 +166,7 @@ def _expected(share: _Real, prior: _Real, resolution: float) -> _Real:
         z = share / resolution - resolution / prior
         near = np.maximum(z, -_FAR)
         # phi / Phi in logarithms: both vanish far below 0. There z + phi / Phi goes to -1 / z.
-        ratio = near + np.exp(-0.5 * (near**2 + np.log(2.0 * np.pi)) - log_ndtr(near))
+        ratio = near + np.exp(-0.5 * (near**2 + np.log(2.0 * np.pi)) - scipy.special.log_ndtr(near))
         share = resolution * np.where(z > -_FAR, ratio, -1.0 / np.minimum(z, -_FAR))
     result: _Real = np.clip(share, 0.0, 1.0 - _LEAST_COHERENCE)
     return result

@@ -1,12 +1,11 @@
 """How many deviations of a Gaussian hold 95 %, and what F exceeds with a chance."""
 
 import math
-
-import scipy
+from statistics import NormalDist
 
 __all__ = ["ONE_SIDED_95", "TWO_SIDED_95", "f_exceeded_with"]
 
-TWO_SIDED_95, ONE_SIDED_95 = float(scipy.special.ndtri(0.975)), float(scipy.special.ndtri(0.95))
+TWO_SIDED_95, ONE_SIDED_95 = (NormalDist().inv_cdf(p) for p in (0.975, 0.95))
 
 
 def f_exceeded_with(chance: float, dof: float) -> float:

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import scipy
-from scipy.ndimage import gaussian_filter1d
 
 from armodal.daq.judge_anti_alias import COMPARED, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
 from armodal.daq.judge_disturbance import without_disturbance, without_undershoot
@@ -167,7 +166,7 @@ def _views(level: Signal, smooth: Signal, main: int, width: float) -> list[_View
         ]
     views = [_View(signal=smooth, highest_n=float(smooth[main]), top=main, reach=0.0)]
     if width > _WIDE:
-        broad = gaussian_filter1d(level, _GAUSSIAN * width, mode="nearest")
+        broad = scipy.ndimage.gaussian_filter1d(level, _GAUSSIAN * width, mode="nearest")
         views.append(
             _View(signal=broad, highest_n=float(broad.max()), top=main, reach=_TOP * width)
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy.optimize
+import scipy
 
 from armodal.analyzer.acting.shapers import KINDS, Notch, Shaper, convolved, notch, shaper
 from armodal.analyzer.confidence import TWO_SIDED_95

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import least_squares
+import scipy
 
 from armodal.analyzer.calibration.bodies import N_NUMBERS, BelievedBody, moved_body
 from armodal.analyzer.calibration.targets import Target
@@ -145,7 +145,7 @@ def calibrate_inertia(
         return np.concatenate([u, *pulls_at(u)])
 
     found, other = (
-        least_squares(residual, np.full(n, beside), method="lm", x_scale=1.0)
+        scipy.optimize.least_squares(residual, np.full(n, beside), method="lm", x_scale=1.0)
         for beside in (_BESIDE_BELIEF, -_BESIDE_BELIEF)
     )
     apart = bool(np.abs(other.x - found.x).max() > _TWIN_APART)

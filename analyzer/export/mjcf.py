@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
+import scipy
 
 from armodal.analyzer.export.tree import Between, Freedom, Rotor, Tree, TreeBody
 from armodal.protocols.arm.records import Arm
@@ -112,4 +112,4 @@ def numbers(values: Array) -> str:
 
 
 def _quaternion(R: Array) -> Array:
-    return np.asarray(Rotation.from_matrix(R).as_quat(scalar_first=True))
+    return np.asarray(scipy.spatial.transform.Rotation.from_matrix(R).as_quat(scalar_first=True))

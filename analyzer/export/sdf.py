@@ -9,7 +9,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
+import scipy
 
 from armodal.analyzer.export.single_joints import (
     LIGHT_KG,
@@ -67,7 +67,7 @@ def sdf_text(arm: Arm, tree: Tree) -> tuple[str, tuple[str, ...]]:
 def _link(model: ET.Element, step: Step, parent: str = "world") -> None:
     link = ET.SubElement(model, "link", name=step.link)
     T = step.T_parent_link
-    rpy = Rotation.from_matrix(T[:3, :3]).as_euler("xyz")
+    rpy = scipy.spatial.transform.Rotation.from_matrix(T[:3, :3]).as_euler("xyz")
     pose = ET.SubElement(link, "pose")
     if parent != "world":
         pose.set("relative_to", parent)

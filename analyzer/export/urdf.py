@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.transform import Rotation
+import scipy
 
 from armodal.analyzer.export.single_joints import (
     LIGHT_KG,
@@ -234,7 +234,7 @@ def _joint(step: Step) -> ET.Element:
     ET.SubElement(joint, "parent", link=step.parent)
     ET.SubElement(joint, "child", link=step.link)
     T = step.T_parent_link
-    rpy = Rotation.from_matrix(T[:3, :3]).as_euler("xyz")
+    rpy = scipy.spatial.transform.Rotation.from_matrix(T[:3, :3]).as_euler("xyz")
     ET.SubElement(joint, "origin", xyz=_numbers(T[:3, 3]), rpy=_numbers(rpy))
     if freedom is None:
         return joint

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import ConvexHull, QhullError
+import scipy
 
 from armodal.protocols.errors import ArmError
 
@@ -46,7 +46,7 @@ class Surface:
     triangles: Triangles  # (m, 3)
 
     @cached_property
-    def hull(self) -> ConvexHull:
+    def hull(self) -> scipy.spatial.ConvexHull:
         """The convex hull.
 
         Raises
@@ -55,8 +55,8 @@ class Surface:
             If the surface is flat.
         """
         try:
-            return ConvexHull(self.vertices_m)
-        except (QhullError, ValueError) as problem:
+            return scipy.spatial.ConvexHull(self.vertices_m)
+        except (scipy.spatial.QhullError, ValueError) as problem:
             raise ArmError("wanted a surface round a body, got a flat one") from problem
 
     @cached_property

@@ -13,8 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+import scipy
 
 from armodal.analyzer.planning.room import Room
 from armodal.analyzer.workspace.postures import random_postures
@@ -79,7 +78,9 @@ def _by_stops(start: Array, end: Array, stops: Array, room: Room) -> tuple[Array
     tied[0, 1] = tied[1, 0] = 0.0  # the straight way is not free
     known: set[tuple[int, int]] = set()
     for _ in range(MOST_TRIES):
-        far, before = dijkstra(csr_array(tied), indices=np.array([0]), return_predecessors=True)
+        far, before = scipy.sparse.csgraph.dijkstra(
+            scipy.sparse.csr_array(tied), indices=np.array([0]), return_predecessors=True
+        )
         if not np.isfinite(far[0, 1]):
             return None
         way = [1]

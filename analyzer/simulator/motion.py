@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.interpolate
+import scipy
 
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.export.exported import BELOW_HZ

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import special
+import scipy
 
 from armodal.analyzer.gap.effects import channel_gain, link_axis
 from armodal.analyzer.gap.library import all_instances
@@ -56,8 +56,8 @@ class Marked:
 
 def rate(k: int, n: int) -> Rate:
     """A rate with its exact interval (Clopper and Pearson, Biometrika 26 (1934) 404)."""
-    low = 0.0 if k == 0 else float(special.betaincinv(k, n - k + 1, 0.025))
-    high = 1.0 if k == n else float(special.betaincinv(k + 1, n - k, 0.975))
+    low = 0.0 if k == 0 else float(scipy.special.betaincinv(k, n - k + 1, 0.025))
+    high = 1.0 if k == n else float(scipy.special.betaincinv(k + 1, n - k, 0.975))
     return Rate(k=k, n=n, low=low, high=high)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import scipy.interpolate
+import scipy
 
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ForeignFileError

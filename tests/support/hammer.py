@@ -31,23 +31,19 @@ FORCE_SCALE = 1e-4  # N per count
 ACCELERATION_SCALE = 1e-6  # m/s^2 per count
 
 
-def _one_sided(t, p, rate):
-    """integral_0^t e^(p (t - u)) e^(j rate u) du for t >= 0, zero before."""
-    t = np.maximum(t, 0.0)
-    return (np.exp(1j * rate * t) - np.exp(p * t)) / (1j * rate - p)
-
-
 def half_sine_response(t, width, p):
     """Response at times t of 1/(s - p) to sin(pi u / width) on 0 < u < width.
 
-    A half-sine is a sine begun at 0 plus the same sine begun at `width`.
+    A half-sine is a sine begun at 0 plus the same sine begun at `width`; the response to a sine of
+    rate r is (r e^(p t) - r cos(r t) - p sin(r t)) / (p^2 + r^2).
     """
     rate = np.pi / width
     total = np.zeros(t.shape, dtype=complex)
     for start in (0.0, width):
-        later = t - start
-        wave = (_one_sided(later, p, rate) - _one_sided(later, p, -rate)) / 2j
-        total += np.where(later > 0.0, wave, 0.0)
+        after = t > start
+        later = t[after] - start
+        wave = rate * (np.exp(p * later) - np.cos(rate * later)) - p * np.sin(rate * later)
+        total[after] += wave / (p**2 + rate**2)
     return total
 
 

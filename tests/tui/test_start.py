@@ -3,7 +3,11 @@
 import subprocess
 import sys
 
-SLOW = {"scipy.signal", "scipy.stats"}  # a second of a processor, needed by some estimates alone
+# A quarter of a second to a second of a processor each, needed by some estimates alone.
+SLOW = {
+    f"scipy.{part}"
+    for part in ("interpolate", "ndimage", "optimize", "signal", "spatial", "special", "stats")
+}
 LOADED = """
 import sys
 from importlib import import_module

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.optimize
+import scipy
 from rich.table import Table
 
 from armodal.analyzer.export.by_mujoco import load_mujoco, simulator_frequencies

@@ -13,7 +13,7 @@ Cameron and Miller, J. Human Resources 50 (2015) 317, section VI: few clusters, 
 from __future__ import annotations
 
 import numpy as np
-from scipy import special
+import scipy
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 
@@ -40,4 +40,4 @@ def recurrence(stage: Stage, without: Fit, fit: Fit) -> float:
     scatter = float(each.std(ddof=1) / np.sqrt(len(each)))
     if scatter == 0.0:
         return 1.0 if each.mean() > 0.0 else 0.0
-    return float(special.stdtr(len(each) - 1, each.mean() / scatter))
+    return float(scipy.special.stdtr(len(each) - 1, each.mean() / scatter))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from scipy.spatial.transform import Rotation
+import scipy
 
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
@@ -46,7 +46,9 @@ def _turned(posture: str | None) -> Instance:
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         if posture is None or assembly.lines.name == posture:
-            turn = Rotation.from_rotvec([values[name] for name in turns]).as_matrix()
+            turn = scipy.spatial.transform.Rotation.from_rotvec(
+                [values[name] for name in turns]
+            ).as_matrix()
             assembly.hit_turn = turn @ assembly.hit_turn
 
     return Instance(

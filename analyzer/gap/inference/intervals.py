@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import special
+import scipy
 
 from armodal.analyzer.confidence import ONE_SIDED_95, TWO_SIDED_95
 from armodal.analyzer.gap.inference.fit import Fit
@@ -64,5 +64,5 @@ def _limit_from_bound(
     h = fit.curvature[i, i] / inflation + 1.0 - across @ covariance[np.ix_(f, f)] @ across
     g = abs((fit.slope[i] - fit.u[i]) / inflation + fit.u[i])
     alpha = g / np.sqrt(h)
-    beyond = -special.ndtri_exp(np.log(0.05) + special.log_ndtr(-alpha))
+    beyond = -scipy.special.ndtri_exp(np.log(0.05) + scipy.special.log_ndtr(-alpha))
     return float((beyond - alpha) / np.sqrt(h))

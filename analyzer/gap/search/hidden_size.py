@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import chdtri
+import scipy
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_at, fit_hypothesis
 from armodal.analyzer.gap.search.rivals import STEPS
@@ -86,7 +86,7 @@ class HiddenSize:
             for name, value in final.values.items()
         }
         target_cost = (
-            final.cost + 0.5 * float(chdtri(1, 0.05)) * self._inflation
+            final.cost + 0.5 * float(scipy.special.chdtri(1, 0.05)) * self._inflation
         )  # 95 % of one parameter's
         if cost_at(stage, hypothesis, followed) < target_cost:
             return True
