@@ -154,22 +154,54 @@ def test_a_socketcan_interface_is_given_nothing_to_send(lab, fakes, robots, monk
             ours.recv(64)
 
 
-@pytest.mark.parametrize("interface", OTHER_INTERFACES)
-def test_another_interface_is_opened_silent_and_asked_for_nothing(
-    lab, fakes, robots, monkeypatch, interface
-):
+@pytest.fixture
+def opened(monkeypatch) -> list[Overheard]:
+    """Interfaces as they are opened, in place of drivers."""
     opened: list[Overheard] = []
 
     def bus(interface: str, channel: str, **options: Any) -> Overheard:
         opened.append(Overheard(channel, **options))
-        robots.append(Robot(lab, opened[0].put))
-        return opened[0]
+        return opened[-1]
 
     monkeypatch.setattr(can, "Bus", bus)
-    session_over(lab, fakes, f"{interface}:0")
+    return opened
+
+
+@pytest.mark.parametrize("interface", OTHER_INTERFACES)
+def test_another_interface_is_opened_silent_and_asked_for_nothing(opened, interface):
+    source = open_can(f"{interface}:0", 500_000)
+    opened[0].put(0x123, b"\x01")
+    source.collect(0.0)
+    source.ask_status()
+    [(_, frames)] = source.take()
+    source.close()
+    assert [(frame.can_id, frame.data) for frame in frames] == [(0x123, b"\x01")]
     # Longer frames are heard where the interface may bring them, which asks for nothing.
     hears = {"fd": True} if interface == "udp_multicast" else {"bitrate": 500_000}
     assert opened[0].options == SILENT.get(interface, {}) | hears
+    assert opened[0].asked == []
+
+
+# What differs from one to another is how it is opened.
+@pytest.mark.parametrize(
+    "interface",
+    [
+        name if name in {"pcan", "udp_multicast"} else pytest.param(name, marks=pytest.mark.long)
+        for name in OTHER_INTERFACES
+    ],
+)
+def test_another_interface_is_asked_for_nothing_over_a_session(
+    lab, fakes, robots, opened, monkeypatch, interface
+):
+    without_robot = can.Bus
+
+    def bus(**options: Any) -> Overheard:
+        made = without_robot(**options)
+        robots.append(Robot(lab, made.put))
+        return made
+
+    monkeypatch.setattr(can, "Bus", bus)
+    session_over(lab, fakes, f"{interface}:0")
     assert opened[0].asked == []
 
 
