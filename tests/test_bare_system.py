@@ -74,25 +74,39 @@ def test_an_arm_is_imported_identified_and_reported_without_what_windows_lacks(
     assert (tmp_path / "report.html").stat().st_size > 0
 
 
-def test_every_command_has_help_there_and_those_of_devices_refuse():
+@pytest.fixture(scope="module")
+def without_pinocchio(arm_session, tmp_path_factory):
+    """What a process told without pinocchio, which Windows has not: help, refusals, an analysis."""
+    folder = tmp_path_factory.mktemp("plain")
     devices = [*((name,) for name in sorted(OF_DEVICES)), ("check", "board", "COM3")]
     devices.append(("check", "can", "COM4"))
-    told = on_bare_system(("--help",), *((name, "--help") for name in command_modules()), *devices)
-    help_, refused = (
-        told["commands"][: 1 + len(command_modules())],
-        told["commands"][1 + len(command_modules()) :],
-    )
-    assert [(code, err) for code, _, err in help_ if code] == []
-    for command, (code, _, err) in zip(devices, refused, strict=True):
+    asked = {
+        "help": [("--help",), *((name, "--help") for name in command_modules())],
+        "devices": devices,
+        "analysis": analysis_of(write_manifest(folder), folder),
+        "identify": [("identify", arm_session)],
+    }
+    every = [command for commands in asked.values() for command in commands]
+    told = on_bare_system(*every, without=["pinocchio"], review=[folder / "plain.h5"])
+    answers = iter(told["commands"])
+    return {
+        name: [(command, *next(answers)) for command in commands]
+        for name, commands in asked.items()
+    } | {"review": told["review"]}
+
+
+def test_every_command_has_help_there_and_those_of_devices_refuse(without_pinocchio):
+    assert [told for told in without_pinocchio["help"] if told[1]] == []
+    assert len(without_pinocchio["help"]) == 1 + len(command_modules())
+    assert len(without_pinocchio["devices"]) == len(OF_DEVICES) + 2
+    for command, code, _, err in without_pinocchio["devices"]:
         assert code == 2, command
         assert "Linux or macOS" in " ".join(err.split()), command
 
 
-def test_a_plain_structure_is_analysed_without_pinocchio(arm_session, tmp_path):
-    commands = [*analysis_of(write_manifest(tmp_path), tmp_path), ("identify", arm_session)]
-    told = on_bare_system(*commands, without=["pinocchio"], review=[tmp_path / "plain.h5"])
-    *analysed, (code, _, err) = told["commands"]
-    assert [(code, err) for code, _, err in analysed if code] == []
-    assert told["review"] == [[2]]
+def test_a_plain_structure_is_analysed_without_pinocchio(without_pinocchio):
+    assert [told for told in without_pinocchio["analysis"] if told[1]] == []
+    assert without_pinocchio["review"] == [[2]]
+    [(_, code, _, err)] = without_pinocchio["identify"]
     assert code == 2
     assert "wanted the package pinocchio" in " ".join(err.split())

@@ -37,6 +37,7 @@ needs_zig = pytest.mark.skipif(
     reason="no qemu-system-arm or no package ziglang on this machine",
 )
 BOARDS = [pytest.param("pty", marks=needs_cc), pytest.param("an386", marks=needs_qemu)]
+ONE_QUICKLY = [BOARDS[0], pytest.param("an386", marks=[needs_qemu, pytest.mark.long])]
 QEMU = ["qemu-system-arm", "-M", "mps2-an386", "-display", "none", "-monitor", "none"]
 OPTIONS = BoardCheckOptions(duration_s=1.0, rate_hz=Fraction(51_200, 16))
 
@@ -71,7 +72,7 @@ def not_passed(report):
     return {step.name: step.came for step in report.steps if step.verdict is not Verdict.PASS}
 
 
-@pytest.mark.parametrize("board", BOARDS)
+@pytest.mark.parametrize("board", ONE_QUICKLY)
 def test_the_board_of_the_guide_answers_as_it_should(programs, board, real_time):
     with running(board, programs) as port:
         steps = ("dictionary", "rates", "commands", "version", "session")
@@ -94,6 +95,7 @@ def test_the_board_answers_as_well_when_ziglang_has_compiled_it(tmp_path, monkey
     assert len(report.steps) == 3
 
 
+@pytest.mark.long
 @needs_qemu
 def test_two_boots_have_two_sessions(programs):
     sessions = []

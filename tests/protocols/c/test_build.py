@@ -80,7 +80,10 @@ def test_structs_have_the_layout_that_the_compiler_gave_them():
 
 @pytest.fixture
 def elsewhere(monkeypatch, tmp_path):
-    """The library is to be built in an empty place."""
+    """A library of one small source is to be built in an empty place."""
+    source = tmp_path / "one.c"
+    source.write_text("int one(void);\n\nint one(void)\n{\n    return 1;\n}\n", encoding="utf-8")
+    monkeypatch.setattr(build, "SOURCES", (source,))
     monkeypatch.setattr(build, "LIBRARY", tmp_path / "build" / "lib.so")
     return tmp_path
 

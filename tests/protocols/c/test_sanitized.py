@@ -9,6 +9,8 @@ from support.c_device import VECTORS
 from armodal.protocols.board import FrameType
 from armodal.protocols.c.build import INCLUDE, SOURCES, STRICT, compile_with, compilers
 
+pytestmark = pytest.mark.long  # compiles for seconds, and runs no line of Python's
+
 HERE = Path(__file__).parent
 SANITIZE = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 RESULTS = {"cobs": 1, "short": 2, "long": 3, "crc": 4, "version": 5, "type": 6}
@@ -47,9 +49,7 @@ def sanitizing_compiler(tmp_path_factory):
 
 
 # Both CRCs are tested: the small table of a microcontroller and the fast ones.
-@pytest.fixture(
-    scope="module", params=[pytest.param("0", marks=pytest.mark.long), "1"], ids=["small", "fast"]
-)
+@pytest.fixture(scope="module", params=["0", "1"], ids=["small", "fast"])
 def programs(request, sanitizing_compiler, tmp_path_factory):
     folder = tmp_path_factory.mktemp("sanitized")
     made = {}
