@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 
 from armodal.protocols.arm.files import ARMS_DIRECTORY, arm_from_texts, load_arm, shipped_arms
 from armodal.protocols.errors import ArmError
@@ -338,7 +339,7 @@ def as_toml(value: object) -> str:
     return repr(value)
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(st.data())
 def test_any_value_in_any_place_is_read_or_refused(data: st.DataObject) -> None:
     lines = DH_ARM.splitlines()

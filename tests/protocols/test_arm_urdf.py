@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 
 from armodal.protocols.arm.files import ARMS_DIRECTORY
 from armodal.protocols.arm.urdf import read_urdf, rotation_rpy
@@ -160,7 +161,7 @@ def test_a_continuous_joint_has_no_range() -> None:
     assert chain.joints[0].range_rad == (-math.inf, math.inf)
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(60))
 @given(st.data())
 def test_a_urdf_with_a_stretch_replaced_is_read_or_refused(data: st.DataObject) -> None:
     start = data.draw(st.integers(0, len(SIMPLE)))

@@ -12,6 +12,7 @@ import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.decoders import check
+from support.examples import examples
 from support.fuzz_c import c_inputs, compile_fuzz, fuzz_c
 from support.fuzz_lines import decode_board
 from support.fuzz_material import decoders_in
@@ -70,7 +71,7 @@ def test_inputs_that_reached_far_or_made_faults_once_are_read_or_refused(decoder
 
 
 @given(st.binary(max_size=600))
-@settings(max_examples=100)
+@settings(max_examples=examples(100))
 def test_any_bytes_of_a_board_are_frames_or_garbage(data):
     decode_board(b"\0" + data + b"\0")
 

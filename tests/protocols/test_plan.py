@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlanError
@@ -182,7 +183,7 @@ def test_an_unknown_shipped_plan_is_refused_with_the_known_ones() -> None:
 values = st.one_of(st.floats(), st.integers(-(2**63), 2**63), st.just("true"), st.just('"9/0"'))
 
 
-@settings(max_examples=80)
+@settings(max_examples=examples(80))
 @given(st.data())
 def test_any_value_in_any_place_is_read_or_refused(data: st.DataObject) -> None:
     lines = TEXT.splitlines()

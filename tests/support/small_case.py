@@ -25,11 +25,17 @@ def small_plan(plan, arm, *, postures=3, points=6):
 class SmallCase(SealedCase):
     """A case of a few postures, six points each."""
 
-    n_postures = 3
+    n_postures, n_points = 3, 6
 
     @cached_property
     def plan(self):
-        return small_plan(super().plan, self.arm, postures=self.n_postures)
+        return small_plan(super().plan, self.arm, postures=self.n_postures, points=self.n_points)
+
+
+class SmallestCase(SmallCase):
+    """One posture to learn from and one to foretell, and hardly more points than are asked for."""
+
+    n_postures, n_points = 2, 5
 
 
 class FourPostures(SmallCase):

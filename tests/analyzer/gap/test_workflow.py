@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from support.small_case import FourPostures, small_case
+from support.small_case import FourPostures, SmallestCase, small_case
 
 from armodal.analyzer.gap.decision.data_requirements import notes_on
 from armodal.analyzer.gap.inference.held_out import held_out_postures
@@ -82,7 +82,7 @@ def test_nothing_is_found_where_nothing_is_hidden(plain):
 
 
 def test_a_hidden_delay_is_named():
-    case = small_case(2, "rv4frl", "delay")
+    case = small_case(2, "rv4frl", "delay", of=SmallestCase)
     result = find_gap(case.session(), gates=False, modes=False, advice=False).result
     assert mark(json.loads(case.open_truth()), result).outcome == "right"
     assert [effect.name for effect in result.effects] == ["delay"]

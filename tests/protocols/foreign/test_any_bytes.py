@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 from support.foreign_bytes import read_or_refused, small_files
 from support.mutate import mutated, mutated_text
 
@@ -24,7 +25,9 @@ ENDINGS = (
     "",
 )
 QUICK = settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=examples(40),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 pytestmark = pytest.mark.filterwarnings("ignore")  # of libraries, about the bytes they are given
 
@@ -98,7 +101,7 @@ CELLS = st.one_of(
     st.sampled_from(["utf-8", "utf-16", "latin-1", "utf-8-sig"]),
     st.integers(1, 30),
 )
-@settings(QUICK, max_examples=80)
+@settings(QUICK, max_examples=examples(80))
 def test_any_table_is_read_or_refused(place, rows, delimiter, encoding, repeats):
     text = "\n".join(delimiter.join(row) for row in rows * repeats)
     one_sentence(read_or_refused(place / "table.txt", text.encode(encoding, "replace")))
@@ -111,7 +114,7 @@ def test_any_table_is_read_or_refused(place, rows, delimiter, encoding, repeats)
     st.integers(0, 2**32 - 1),
     st.sampled_from(["\t", ",", ";", " "]),
 )
-@settings(QUICK, max_examples=80)
+@settings(QUICK, max_examples=examples(80))
 def test_any_table_of_numbers_with_an_even_column_is_read_or_refused(
     place, columns, rows, step, seed, delimiter
 ):

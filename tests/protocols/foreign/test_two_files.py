@@ -8,6 +8,7 @@ import pytest
 import scipy.io
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 from support.foreign_bytes import small_files
 from support.foreign_samples import write_sets
 from support.foreign_writers import lvm, table, wav
@@ -231,7 +232,9 @@ def files(tmp_path_factory):
 
 @given(st.data())
 @settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=examples(60),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 @pytest.mark.filterwarnings("ignore")  # of libraries, about the bytes they are given
 def test_any_two_files_are_read_or_refused_in_one_sentence(files, data):

@@ -5,6 +5,7 @@ import pytest
 import pyuff
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.examples import examples
 from support.foreign_samples import frf_set, si_set, whole_file, write_sets
 
 from armodal.protocols.errors import ForeignFileError
@@ -188,7 +189,7 @@ def test_every_truncation_is_one_error_or_whole_datasets(tmp_path, binary):
 
 
 @given(st.binary(max_size=300))
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_any_bytes_are_read_or_refused_in_one_sentence(data):
     try:
         uff_from_bytes(data, "a")
@@ -197,7 +198,7 @@ def test_any_bytes_are_read_or_refused_in_one_sentence(data):
 
 
 @given(st.data())
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 def test_changed_bytes_are_read_or_refused(data):
     raw = bytearray(_WHOLE)
     for _ in range(data.draw(st.integers(1, 4))):

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from support.command import armodal
+from support.examples import examples
 from support.foreign_samples import accelerance
 from support.foreign_writers import signalcalc, table
 from support.manifests import hit_signals
@@ -167,7 +168,9 @@ def test_no_file_is_one_message(tmp_path, command, name):
 # The square of these is below the least number there is.
 @example(kind="frf", rows=3, columns=4, step=1.0, seed=0, make=np.asarray, exponent=-162)
 @settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=examples(40),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 def test_any_table_is_a_session_or_one_message(
     tmp_path, kind, rows, columns, step, seed, make, exponent
@@ -196,7 +199,9 @@ def test_any_table_is_a_session_or_one_message(
     change=st.none() | st.tuples(st.floats(0.0, 1.0, exclude_max=True), st.integers(0, 255)),
 )
 @settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=examples(40),
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 def test_a_good_table_cut_or_changed_anywhere_is_a_session_or_one_message(
     tmp_path, head, delimiter, decimal, hit, end, change
