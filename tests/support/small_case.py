@@ -33,7 +33,7 @@ class SmallCase(SealedCase):
 
 
 class SmallestCase(SmallCase):
-    """One posture to learn from and one to foretell, and hardly more points than are asked for."""
+    """One posture to learn from and one to foretell, five points each."""
 
     n_postures, n_points = 2, 5
 

@@ -29,13 +29,13 @@ def _no_browser(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
 
 
-def has_setter():
-    """Whether WeasyPrint and the libraries of the system that it needs are there."""
+@pytest.fixture
+def _setter():
+    """WeasyPrint and the libraries of the system that it needs: loaded where they are used."""
     try:
         import weasyprint  # noqa: F401, PLC0415
     except (ImportError, OSError):
-        return False
-    return True
+        pytest.skip("WeasyPrint or its libraries are not installed")
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
@@ -44,8 +44,7 @@ def test_the_browser_prints_every_page(page, tmp_path):
     assert pdf_pages((tmp_path / "report.pdf").read_bytes()) == 2
 
 
-@pytest.mark.usefixtures("_no_browser")
-@pytest.mark.skipif(not has_setter(), reason="WeasyPrint or its libraries are not installed")
+@pytest.mark.usefixtures("_setter", "_no_browser")
 def test_without_a_browser_the_page_is_set_and_nothing_is_said(page, tmp_path, capfd):
     print_pdf(page, tmp_path / "report.pdf")
     made = (tmp_path / "report.pdf").read_bytes()
