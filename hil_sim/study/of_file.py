@@ -229,7 +229,10 @@ def _rotor(own: _Read, made: _Made) -> None:
 
 
 def _servo(own: _Read, made: _Made) -> None:
-    spring = _spring(own.sizes["servo_compliance"], own.sizes.get("servo_loss", 0.0))
+    lag_s = own.sizes.get("servo_loss", 0.0) - own.sizes.get("servo_delay", 0.0)
+    if lag_s < 0.0:
+        raise Unlike("loop that is later than it damps")
+    spring = _spring(own.sizes["servo_compliance"], lag_s)
     made.effects.append(
         {
             "kind": "rotor",
