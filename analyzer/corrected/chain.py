@@ -200,12 +200,11 @@ def _matrices(assembly: Assembly, gives: Sequence[int]) -> dict[str, Array]:
         found[kind][i, j] += value
     for kind, row, value in assembly.stretches:
         found[kind][: row.size, : row.size] += value * np.outer(row, row)
-    lag_s = assembly.lag_s
     for at in gives:
         gamma = assembly.compliance[at]
         if not np.isnan(gamma):
             found["stiffness"][at, at] += 1.0 / gamma
-            found["damping"][at, at] += lag_s[at] / gamma
+            found["damping"][at, at] += assembly.compliance_loss_s[at] / gamma
     return {kind: matrix[np.ix_(gives, gives)] for kind, matrix in found.items()}
 
 
@@ -214,7 +213,7 @@ def _alike(one: Assembly, other: Assembly) -> bool:
     pairs = [
         (np.stack(one.columns), np.stack(other.columns)),
         (np.array(one.compliance), np.array(other.compliance)),
-        (one.lag_s, other.lag_s),
+        (np.array(one.compliance_loss_s), np.array(other.compliance_loss_s)),
         (np.array([v for *_, v in one.terms]), np.array([v for *_, v in other.terms])),
         (np.stack(one.link_inertia), np.stack(other.link_inertia)),
     ]

@@ -84,7 +84,7 @@ def _axis(correction: Correction, at: Assembly, column: int) -> Axis:
         direction=angular,
         point_m=np.cross(angular, linear),
         stiffness_n_m_per_rad=k,
-        damping_n_m_s_per_rad=k * at.lag_s[column],
+        damping_n_m_s_per_rad=k * at.compliance_loss_s[column],
     )
 
 
@@ -103,7 +103,7 @@ def _held(correction: Correction, at: Assembly, free: Sequence[int]) -> Held:
             found[kind][i, j] += value
     for i in gives:
         found["stiffness"][i, i] += 1.0 / at.compliance[i]
-        found["damping"][i, i] += at.lag_s[i] / at.compliance[i]
+        found["damping"][i, i] += at.compliance_loss_s[i] / at.compliance[i]
     moved = np.stack(at.columns, axis=1)
     found["mass"] += moved[:6].T @ at.base_inertia @ moved[:6]
     name_of = coordinate_names(at)

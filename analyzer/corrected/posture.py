@@ -119,7 +119,7 @@ def corrected_posture(
     return CorrectedPosture(
         names=tuple(name_of[column] for column in np.flatnonzero(gives)),
         mass=system.mass[chosen],
-        damping=system.damping[chosen] + np.diag(k * system.lag_s[gives]),
+        damping=system.damping[chosen] + np.diag(k * system.compliance_loss_s[gives]),
         stiffness=system.stiffness[chosen] + np.diag(k),
         loss=system.loss[chosen],
         point_linear=system.moved[..., gives],

@@ -229,10 +229,7 @@ def _rotor(own: _Read, made: _Made) -> None:
 
 
 def _servo(own: _Read, made: _Made) -> None:
-    lag_s = own.sizes.get("servo_loss", 0.0) - own.sizes.get("servo_delay", 0.0)
-    if lag_s < 0.0:
-        raise Unlike("loop that is later than it damps")
-    spring = _spring(own.sizes["servo_compliance"], lag_s)
+    spring = _spring(own.sizes["servo_compliance"], own.sizes.get("servo_loss", 0.0))
     made.effects.append(
         {
             "kind": "rotor",

@@ -32,14 +32,10 @@ _ROTOR = 0.3
 # Of the rotor on its servo: from hardly damped to critical, as loops of a position are tuned.
 _DAMPING_RATIO = 0.5
 _MATERIAL = 0.05  # servo compliance over the joint's
-# A sampled loop acts late by half a period, by its hold, and by up to one more while it is computed
-# (Franklin, Powell and Workman, Digital Control of Dynamic Systems (1998), section 4.3): loops of a
-# position have periods of 0.5 to 4 ms.
-_LATE_S = 3e-3
-# Its part of the joint's compliance, its rotor, and its lag and delay, of what is typical, where a
-# fit may begin: of no size at all it changes nothing, and a loop whose delay outweighs its damping
-# is on the other side of one that damps.
-_PARTS, _ROTORS, _LAGS = (0.2,), (0.5, 1.5, 3.0), ((0.5, 0.0), (0.0, 0.0), (0.0, 0.2))
+# Its part of the joint's compliance, its rotor and its lag, of what is typical, where a fit may
+# begin: of no size at all it changes nothing, and a loop whose delay outweighs its damping is on
+# the other side of one that damps.
+_PARTS, _ROTORS, _LAGS = (0.2,), (0.5, 1.5, 3.0), (0.5, 0.0, -0.2)
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -47,8 +43,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     found = []
     for i in ordinary.elastic:
         joint = ordinary.arm.joints[i].name
-        soft, inertia, loss, late = (
-            f"servo {what} {joint}" for what in ("compliance", "rotor", "loss", "delay")
+        soft, inertia, loss = (
+            f"servo compliance {joint}",
+            f"servo rotor {joint}",
+            f"servo loss {joint}",
         )
         believed = ordinary.arm.joints[i].stiffness
         gamma = 1.0 / believed.value if believed is not None else 1e-5
@@ -60,14 +58,11 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             soft: str = soft,
             inertia: str = inertia,
             loss: str = loss,
-            late: str = late,
         ) -> None:
             link = assembly.names[joint]
             none = np.zeros(ordinary.superset.n)
             part = _BRAKED if assembly.lines.brakes else 1.0
-            own = assembly.add_compliance(
-                none, values[soft], values[loss], soft, loss, part=part, late=(late, values[late])
-            )
+            own = assembly.add_compliance(none, values[soft], values[loss], soft, loss, part=part)
             k = float(np.exp(values[f"ln k {joint}"]))
             c = float(np.exp(values[f"ln c {joint}"]))
             # The joint's spring stretches by the difference of link and rotor.
@@ -79,7 +74,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.stretched_by[joint] = own
 
         moment = carried_moment(ordinary, i)
-        # Of c/k, with stiffness and rotor as they typically are.
+        # Of c/k, with stiffness and rotor as they typically are. What a loop's delay takes from it
+        # may be more than it has.
         lag = 2.0 * _DAMPING_RATIO * float(np.sqrt(gamma * _ROTOR * moment))
 
         def starting_points(
@@ -88,7 +84,6 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             soft: str = soft,
             inertia: str = inertia,
             loss: str = loss,
-            late: str = late,
             lag: float = lag,
             typical: float = _ROTOR * moment,
         ) -> Sequence[Mapping[str, float]]:
@@ -99,13 +94,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     **values,
                     soft: float(part * np.exp(-ln_k)),
                     inertia: turns * typical,
-                    loss: damped * lag,
-                    late: delayed * lag,
+                    loss: part_of_lag * lag,
                     f"ln k {joint}": ln_k - float(np.log(1.0 - part)),
                 }
                 for part in _PARTS
                 for turns in _ROTORS
-                for damped, delayed in _LAGS
+                for part_of_lag in _LAGS
             ]
 
         found.append(
@@ -114,8 +108,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 place=joint,
                 parameters=(
                     Parameter(name=soft, unit="rad/(N m)", mean=0.0, std=gamma, low=0.0),
-                    Parameter(name=loss, unit="s", mean=lag, std=lag, low=0.0),
-                    Parameter(name=late, unit="s", mean=0.0, std=_LATE_S, low=0.0),
+                    Parameter(name=loss, unit="s", mean=lag, std=lag, low=-lag),
                     Parameter(
                         name=inertia,
                         unit="kg m²",

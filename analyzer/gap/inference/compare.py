@@ -107,7 +107,7 @@ def match_modes(measured: ModalModel, system: System) -> tuple[ModeMatch, ...]:
 def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
     """Poles (k,) of positive frequency and shapes (n, k) of the coordinates."""
     n = system.mass.shape[0]
-    soft, lag_s = np.isfinite(system.compliance), system.lag_s
+    soft = np.isfinite(system.compliance)
     free = np.flatnonzero(~soft | (system.compliance > 1e-9))
     K = system.stiffness[np.ix_(free, free)].astype(np.complex128)
     K += 1j * system.loss[np.ix_(free, free)]
@@ -115,7 +115,7 @@ def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
     for at, i in enumerate(free):
         if soft[i]:
             K[at, at] += 1.0 / system.compliance[i]
-            C[at, at] += lag_s[i] / system.compliance[i]
+            C[at, at] += system.compliance_loss_s[i] / system.compliance[i]
     M = system.mass[np.ix_(free, free)]
     m = len(free)
     loss = system.loss[np.ix_(free, free)]

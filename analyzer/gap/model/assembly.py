@@ -25,7 +25,6 @@ from armodal.analyzer.gap.model.lines import PostureLines
 __all__ = ["BASE", "Assembly", "Inside", "Pieces", "System", "spatial_inertia"]
 
 Array = npt.NDArray[np.float64]
-ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 BASE = -1  # where a link is asked for
 
@@ -95,7 +94,6 @@ class System:
     loss: Array  # (n, n): K + L(s) loss, `response.hysteresis`
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
-    compliance_delay_s: Array  # (n,) by which its resistance comes late
     link_motion: Array  # (n_links, 6, n)
     base_motion: Array  # (6, n)
     pieces: dict[int, Pieces]  # of links that give way along their length
@@ -111,22 +109,6 @@ class System:
     delay_s: Array  # () of the responses behind the force
     sensor_mass_kg: Array  # ()
     decay_rad_s: Array  # () by which all records fall that nobody wrote down
-
-    @property
-    def lag_s(self) -> Array:
-        """Return (n,) damping over stiffness of compliances, to first order: loss less delay."""
-        return self.compliance_loss_s - self.compliance_delay_s
-
-    def resistance(self, s_rad_s: ComplexArray) -> ComplexArray:
-        """Return (P, n, L) what compliances resist by, times themselves: (1 + tau s) e^(-s T).
-
-        Of stacked systems, on lines (P, L).
-        """
-        s = s_rad_s[:, None]
-        resisted = 1.0 + self.compliance_loss_s[..., None] * s
-        if self.compliance_delay_s.any():
-            resisted *= np.exp(-self.compliance_delay_s[..., None] * s)
-        return np.asarray(resisted)
 
     def alone(self, posture: int) -> System:
         """Return one of stacked systems, without their axis."""
@@ -144,10 +126,9 @@ class Assembly:
     """A posture being put together; effects add to it.
 
     What a parameter does a unit, where it stands, is told for most: `compliance_of`, `loss_of`,
-    `late_of`, `terms_of`, `stretches_of`, `inertia_of` and `sensor_mass_of` of terms, `log_slopes`
-    of a joint's spring, `motion_of` of coordinates that move otherwise with it, `turns_of` of
-    stretches that do. Those derivatives are known; but for gravity's part of inertias', a
-    thousandth.
+    `terms_of`, `stretches_of`, `inertia_of` and `sensor_mass_of` of terms, `log_slopes` of a
+    joint's spring, `motion_of` of coordinates that move otherwise with it, `turns_of` of stretches
+    that do. Those derivatives are known; of inertias but for gravity's part, a thousandth.
     """
 
     geometry: PostureGeometry
@@ -156,11 +137,9 @@ class Assembly:
     names: dict[str, int] = field(default_factory=dict)
     compliance: list[float] = field(default_factory=list)
     compliance_loss_s: list[float] = field(default_factory=list)
-    compliance_delay_s: list[float] = field(default_factory=list)
     # By parameter: its coordinates, and which part of its compliance each has.
     compliance_of: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     loss_of: dict[str, list[int]] = field(default_factory=dict)
-    late_of: dict[str, list[int]] = field(default_factory=dict)
     # By parameter: coordinates, and by what (N,) the motion of each changes a unit.
     motion_of: dict[str, list[tuple[int, Array]]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
@@ -200,11 +179,6 @@ class Assembly:
     # By which all hits fall off their point, along the axes a sensor has there.
     hit_place_m: Array = field(default_factory=lambda: np.zeros(3))
 
-    @property
-    def lag_s(self) -> Array:
-        """Return (n,) damping over stiffness of compliances, to first order: loss less delay."""
-        return np.asarray(np.subtract(self.compliance_loss_s, self.compliance_delay_s))
-
     def copied(self) -> Assembly:
         """Return equations that can be added to without changing these."""
         found = copy(self)
@@ -232,19 +206,12 @@ class Assembly:
         loss_parameter: str | None = None,
         *,
         part: float = 1.0,
-        late: tuple[str, float] | None = None,
     ) -> int:
-        """Add a coordinate, named as its parameter, that gives way by a part of its value.
-
-        `late`: a parameter and the seconds by which the coordinate resists late.
-        """
+        """Add a coordinate, named as its parameter, that gives way by a part of its value."""
         at = self._add(parameter, column, part * compliance, loss_s)
         self.compliance_of.setdefault(parameter, []).append((at, part))
         if loss_parameter is not None:
             self.loss_of.setdefault(loss_parameter, []).append(at)
-        if late is not None:
-            name, self.compliance_delay_s[at] = late
-            self.late_of.setdefault(name, []).append(at)
         return at
 
     def multiply_spring(
@@ -334,7 +301,6 @@ class Assembly:
         self.columns.append(column)
         self.compliance.append(compliance)
         self.compliance_loss_s.append(loss_s)
-        self.compliance_delay_s.append(0.0)
         return len(self.columns) - 1
 
     def motion_of_pieces(

@@ -99,14 +99,11 @@ def by_decay(found: Response) -> ComplexArray:
     moved = real_times(system.moved, x)
     moved *= 2.0 * system.sensor_mass_kg[:, None, None, None] * by_line
     dZx += real_times(system.moved.swapaxes(-1, -2), moved)
-    # A compliance resists by (1 + tau s) e^(-s T) / gamma; where it is zero nothing moves.
+    # A compliance resists by (1 + tau s) / gamma; where it is zero nothing moves.
     gamma = system.compliance
     gives_way = np.isfinite(gamma) & (gamma != 0.0)
-    tau, late = system.compliance_loss_s[..., None], system.compliance_delay_s[..., None]
-    resisted = system.resistance(s)
-    slope = resisted * (tau / (1.0 + tau * s[:, None]) - late)
-    slope *= np.where(gives_way, 1.0 / np.where(gives_way, gamma, 1.0), 0.0)[..., None]
-    dZx += slope[:, None].astype(x.dtype) * x
+    slope = np.where(gives_way, system.compliance_loss_s / np.where(gives_way, gamma, 1.0), 0.0)
+    dZx += slope[:, None, :, None].astype(x.real.dtype) * x
     return np.asarray(y - _under(found, dZx))
 
 

@@ -79,7 +79,7 @@ class Solved:
             yield parameter, by_k * by_spring[name][0] + by_c * by_spring[name][1]
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Compliances, their losses and delays."""
+        """Compliances and their losses."""
         s, system = self.found.s_rad_s, self.found.system
         compliances = self.assemblies[0].compliance_of
         every = [at for parts in compliances.values() for at, _ in parts]
@@ -96,10 +96,16 @@ class Solved:
                 / (1.0 + system.compliance_loss_s[:, at, None] * s)
                 for at in coordinates
             ]
-            yield name, _weighed_lines([row_of[at] for at in coordinates], slower)
-        for name, coordinates in self.assemblies[0].late_of.items():
-            later = [system.compliance[:, at, None] * s for at in coordinates]
-            yield name, _weighed_lines([row_of[at] for at in coordinates], later)
+            yield (
+                name,
+                np.sum(
+                    [
+                        row_of[at] * w[:, None, None, :]
+                        for at, w in zip(coordinates, slower, strict=True)
+                    ],
+                    axis=0,
+                ),
+            )
 
     def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
         """Masses, centres and tensors of links; what is bolted to them; the base's own."""
@@ -244,7 +250,6 @@ class Solved:
         known = {
             *first.compliance_of,
             *first.loss_of,
-            *first.late_of,
             *first.terms_of,
             *first.stretches_of,
             *first.inertia_of,
@@ -277,13 +282,6 @@ def _weighed_sum(columns: Sequence[ComplexArray], weights: Array) -> ComplexArra
     return np.asarray(
         sum(c * w[:, None, None, None] for c, w in zip(columns, as_single(weights), strict=True))
     )
-
-
-def _weighed_lines(
-    columns: Sequence[ComplexArray], weights: Sequence[ComplexArray]
-) -> ComplexArray:
-    """Sum of columns (P, m, 3, L), each with weights (P, L) of every line."""
-    return np.asarray(sum(c * w[:, None, None, :] for c, w in zip(columns, weights, strict=True)))
 
 
 def _inertia_changes(

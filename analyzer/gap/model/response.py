@@ -159,11 +159,11 @@ class Response:
         if locked:
             left, right = self.through_compliances([coordinates[i] for i in locked])
             found[locked] = left * right[:, :, :, None]
-        resisted = self.system.resistance(self.s_rad_s)
+        s, loss_s = self.s_rad_s, self.system.compliance_loss_s
         for i, at in enumerate(coordinates):
             if i not in locked:
                 yields = gamma[:, i, None]
-                torque = self.x[:, :, at] * (resisted[:, at] / yields)[:, None, :]
+                torque = self.x[:, :, at] * ((1.0 + loss_s[:, at, None] * s) / yields)[:, None, :]
                 torque *= (1.0 / yields)[:, None]  # the other side's
                 np.multiply(self.under_loads[:, :, at], torque[:, :, None], out=found[i])
         return found
@@ -214,7 +214,7 @@ class Response:
         recorded = real_times(system.mix, o_w.reshape(P, m, 3, k * L)).reshape(P, m, 3, k, L)
         b = self._forces()[:, :, None].astype(self.x.real.dtype, copy=False)  # (P, m, 1, n)
         w_b = with_sensor(through(b), loaded(b))[:, :, 0]
-        lag = 1.0 / system.resistance(s)[:, list(coordinates)]
+        lag = 1.0 / (1.0 + system.compliance_loss_s[:, list(coordinates), None] * s[:, None])
         torque = w_b * (self.factor[:, None] * lag)[:, None]  # (P, m, k, L)
         return recorded.transpose(3, 0, 1, 2, 4), torque.transpose(2, 0, 1, 3)
 
@@ -347,7 +347,8 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     s = s_rad_s + system.decay_rad_s[:, None]
     soft = np.isfinite(system.compliance[0])
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
-    scale = np.where(soft, gamma / system.resistance(s).swapaxes(1, 2), 1.0)  # (P, L, n)
+    loss_s = system.compliance_loss_s[:, None]
+    scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)  # (P, L, n)
     A = dynamic_stiffness(system, s)
     A *= scale[..., None]
     A[..., soft, soft] += 1.0

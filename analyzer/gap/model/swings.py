@@ -111,7 +111,8 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
     s = _lines()[None]
     soft = np.isfinite(system.compliance[0])
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
-    scale = np.where(soft, gamma / system.resistance(s).swapaxes(1, 2), 1.0)
+    loss_s = system.compliance_loss_s[:, None]
+    scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)
     A = dynamic_stiffness(system, s)
     A *= scale[..., None]
     A[..., soft, soft] += 1.0

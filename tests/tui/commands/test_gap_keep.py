@@ -64,16 +64,11 @@ def session(tmp_path_factory):
     return replace(plain, header=replace(plain.header, arm=arm))
 
 
-SERVO = {
-    "servo compliance elbow": 2e-5,
-    "servo rotor elbow": 0.4,
-    "servo loss elbow": 3e-4,
-    "servo delay elbow": 1e-4,
-}
+SERVO = {"servo compliance elbow": 2e-5, "servo rotor elbow": 0.4, "servo loss elbow": 3e-4}
 
 
 def named(name, place):
-    units = {"compliance": "rad/(N m)", "rotor": "kg m²", "loss": "s", "delay": "s"}
+    units = {"compliance": "rad/(N m)", "rotor": "kg m²", "loss": "s"}
     effect = EffectFound(
         name=name,
         title=name,
