@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from armodal.analyzer.gap.effects import gravity_compensator
 from armodal.analyzer.gap.inference.fit import Fit, Stage
@@ -18,14 +19,14 @@ from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["linear_candidates"]
 
+Array = npt.NDArray[np.float64]
 
 _ANGLES = np.linspace(-np.pi, np.pi, 36, endpoint=False)
 _RATIOS = (1.2, 1.5, 2.2)
-_KEPT = 2  # angles at each joint
 
 
 def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> list[Candidate]:
-    """The most promising angles of a compensator at every joint that lifts, best first."""
+    """Angles of a compensator that promise more than those beside them, best first."""
     here = [i for i in instances if i.effect is gravity_compensator.WORDS]
     if not here:
         return []
@@ -54,12 +55,8 @@ def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> 
         follow = np.linalg.solve(A, B.T).T
         left = w**2 @ curvature[:, at, at] + 1.0 - np.sum(B * follow, axis=1)
         gain = np.where(slope < 0.0, 0.5 * slope**2 / left, 0.0)
-        chosen: list[int] = []
-        for i in np.argsort(-gain):
-            if len(chosen) < _KEPT and all(_apart(grid[i][0], grid[j][0]) for j in chosen):
-                chosen.append(int(i))
         stiff, _, angle, ratio = gravity_compensator.names_at(instance.place)
-        for i in chosen:
+        for i in _peaks(gain.reshape(len(_RATIOS), len(_ANGLES))):
             step = -slope[i] / left[i]
             u = fit.u.copy()
             u[free] = np.clip(u[free] - follow[i] * step, fit.space.low[free], fit.space.high[free])
@@ -73,5 +70,9 @@ def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> 
     return sorted(found, key=lambda c: -c.gain)
 
 
-def _apart(one: float, other: float) -> bool:
-    return abs((one - other + np.pi) % (2.0 * np.pi) - np.pi) > 0.6
+def _peaks(gain: Array) -> list[int]:
+    """Where gains (n_ratios, n_angles) are above those of the angles beside: minima of cost."""
+    best = gain.max(axis=0)
+    is_peak = (best > 0.0) & (best >= np.roll(best, 1)) & (best > np.roll(best, -1))
+    angles = np.flatnonzero(is_peak)
+    return [int(at) for at in gain[:, angles].argmax(axis=0) * gain.shape[1] + angles]

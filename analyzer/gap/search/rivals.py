@@ -130,11 +130,11 @@ def find_rivals(
                     tell=tell,
                     afresh=False,
                 )
-        finals = _one_each([*finals, *_far(stages, base, present, start, without, tell)])
+        finals = _each_minimum([*finals, *_far(stages, base, present, start, without, tell)])
         finals = [*finals, *_alternatives(sharp, finals[:LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
         finals = [*finals, *fitted_laws(sharp, base[-1], leading, STEPS, tell)]
-        finals = _one_each([f for f in finals if f.last.key not in without])
+        finals = _each_minimum([f for f in finals if f.last.key not in without])
     going_on = _hopeful(finals)
     behind = [f for f in finals if all(f is not other for other in going_on)]
     ended: list[Fit] = []
@@ -188,7 +188,7 @@ def _far(
         looked = all_candidates(widest, about, begin, from_start=about is unfitted, without=without)
         pool += [(c.gain, about, c) for c in looked]
     tell(f"{len(pool)} candidates fitted on wide lines")
-    fits = _one_each(
+    fits = _each_minimum(
         [_begun(widest, unfitted, c, begin, also=about) for about, c in _chosen(pool, _KEPT)]
     )
     for number, stage in enumerate(stages[1:], 1):
@@ -319,13 +319,34 @@ def _one_each(fits: Sequence[Fit]) -> list[Fit]:
     """By evidence, the best of each effect and place."""
     kept: dict[tuple[tuple[str, str], ...], Fit] = {}
     for fit in sorted(fits, key=lambda f: f.evidence):
-        kept.setdefault(tuple(i.key for i in fit.hypothesis.instances), fit)
+        kept.setdefault(_keys(fit), fit)
     return list(kept.values())
 
 
+def _each_minimum(fits: Sequence[Fit]) -> list[Fit]:
+    """By evidence, the best of each effect and place, and what may still end in a better minimum.
+
+    Of an effect that has several, after some steps the best may be on its way to the worse one.
+    """
+    kept: list[Fit] = []
+    best: dict[tuple[tuple[str, str], ...], float] = {}
+    for fit in sorted(fits, key=lambda f: f.evidence):
+        reached = fit.evidence
+        if fit.last.effect.separate_minima:
+            reached -= PATIENCE * fit.promised
+        if reached < best.setdefault(_keys(fit), float("inf")):
+            kept.append(fit)
+            best[_keys(fit)] = min(best[_keys(fit)], fit.evidence)
+    return kept
+
+
+def _keys(fit: Fit) -> tuple[tuple[str, str], ...]:
+    return tuple(instance.key for instance in fit.hypothesis.instances)
+
+
 def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
-    """One of each effect and place, by evidence, that may still come beside the best."""
-    each = _one_each(fits)
+    """One of each effect, place and minimum, by evidence, that may still come beside the best."""
+    each = _each_minimum(fits)
     return [f for f in each if f.evidence - PATIENCE * f.promised < each[0].evidence + _BESIDE]
 
 
