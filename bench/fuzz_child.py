@@ -13,13 +13,14 @@ import tempfile
 import threading
 import warnings
 from functools import cache
-from multiprocessing import forkserver
+from multiprocessing import connection, forkserver
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 TESTS = HERE.parent / "tests"
 _FORKS = multiprocessing.get_context("forkserver")
-_STARTING = threading.Lock()
+# To start a process asks all others for their exit codes, and each is told once only.
+_ONE_AT_A_TIME = threading.Lock()
 
 
 def forked(name: str, inputs: Path, arguments: list[str], said: Path) -> int:
@@ -34,13 +35,15 @@ def forked(name: str, inputs: Path, arguments: list[str], said: Path) -> int:
     said
         File for its standard error.
     """
-    with _STARTING:
-        _be_ready()
     process = _FORKS.Process(target=_run, args=(name, inputs, arguments, said))
-    process.start()
-    process.join()
-    code = process.exitcode
-    process.close()
+    with _ONE_AT_A_TIME:
+        _be_ready()
+        process.start()
+    connection.wait([process.sentinel])
+    with _ONE_AT_A_TIME:
+        process.join()
+        code = process.exitcode
+        process.close()
     return 1 if code is None else code
 
 
