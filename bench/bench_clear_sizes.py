@@ -17,7 +17,7 @@ import sys
 import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.inference.annealing import stages_of
+from armodal.analyzer.gap.inference.annealing import annealing_stages
 from armodal.analyzer.gap.inference.compare import posture_gap
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out
@@ -43,7 +43,7 @@ def measured(arm: str, kind: str, magnitude: str, seed: int) -> dict[str, object
     )
     session, truth = case.session(), json.loads(case.open_truth())
     superset = Superset(session.header.arm)
-    stages = stages_of(superset, session, estimate_frfs(session, superset))
+    stages = annealing_stages(superset, session, estimate_frfs(session, superset))
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stages[-1].lines))
     effect = truth["effects"][0]
     instance = instance_of_truth(ordinary, effect)

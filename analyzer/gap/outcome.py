@@ -12,11 +12,11 @@ from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.decision.without_levels import titles
-from armodal.analyzer.gap.inference.aim_notes import notes_on_aims
 from armodal.analyzer.gap.inference.compare import disagreement_map, posture_gap
 from armodal.analyzer.gap.inference.dispersion import dispersion
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut, held_out
+from armodal.analyzer.gap.inference.hit_direction_notes import hit_direction_notes
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
 from armodal.analyzer.gap.library import title_of
@@ -105,7 +105,7 @@ def conclude(
     if verdict is not Verdict.NAMED and effects:
         found_on_the_way = "; ".join(effect.title for effect in effects)
         why = [*why, f"found on the way, but no name: {found_on_the_way}"]
-    notes += [*why, *notes_on_its_end(final), *notes_on_aims(sharp, final)]
+    notes += [*why, *notes_on_its_end(final), *hit_direction_notes(sharp, final)]
     if effects and len(standing) > 1:
         notes.append(f"something more is there that cannot be told: {titles(standing)}")
     alive = standing or (final,)

@@ -27,7 +27,7 @@ from armodal.analyzer.gap.decision.judge import (
 from armodal.analyzer.gap.decision.naming import judge_round, step_to
 from armodal.analyzer.gap.decision.without_levels import first_with_levels
 from armodal.analyzer.gap.gates import gates_of
-from armodal.analyzer.gap.inference.annealing import of_test, stages_of, with_tests
+from armodal.analyzer.gap.inference.annealing import annealing_stages, of_test, with_tests
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
@@ -95,14 +95,16 @@ def find_gap(
     single_hits = bool(session.hits)
     frfs = estimate_frfs(session, superset) if single_hits else session.frfs
     gate_rows = _gates(session, frfs, superset, tell) if gates and single_hits else ()
-    of_first = stages_of(superset, session, frfs)
+    of_first = annealing_stages(superset, session, frfs)
     stages = with_tests(of_first, superset, more)
     ordinary = _ordinary((session, *more), superset, stages[-1].lines)
     notes = [*replaced, *notes_on(session, more)]
 
     from_file, start = instances_of_file(ordinary)
-    apart = cache(partial(_level_apart, session, more, superset, frfs, of_first[-1].models))
-    levels = partial(_by_level, apart, superset, tell)
+    apart = cache(
+        partial(_stage_with_levels_apart, session, more, superset, frfs, of_first[-1].models)
+    )
+    levels = partial(_with_levels_apart, apart, superset, tell)
     stages, present = levels(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
     )
@@ -169,7 +171,7 @@ def _search(
     believed
         The arm as its user believes it, and where the effects of its file begin.
     levels
-        Tells soft and hard hits apart (`_by_level`).
+        Tells soft and hard hits apart (`_with_levels_apart`).
     without
         Keys of instances that are not tried.
 
@@ -291,7 +293,7 @@ def _frfs_of_tests(superset: Superset, more: Sequence[Session]) -> list[Frequenc
     ]
 
 
-def _level_apart(
+def _stage_with_levels_apart(
     session: Session,
     more: Sequence[Session],
     superset: Superset,
@@ -301,11 +303,13 @@ def _level_apart(
 ) -> Stage:
     """Lines of soft and of hard hits of one stage; `models` of the session's own postures."""
     about = middle_level(session)
-    (apart,) = stages_of(superset, session, frfs, models=models, level_about=about, only=[number])
+    (apart,) = annealing_stages(
+        superset, session, frfs, models=models, level_about=about, only=[number]
+    )
     return with_tests((apart,), superset, more, about, [number])[0]
 
 
-def _by_level(
+def _with_levels_apart(
     level_apart: Callable[[int], Stage],
     superset: Superset,
     tell: Tell,

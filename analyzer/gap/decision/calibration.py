@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
+from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.records import Calibrated
 from armodal.analyzer.gap.search.candidates import others_beside
 from armodal.analyzer.gap.search.replicas import replica_gains
@@ -71,7 +72,7 @@ class Calibration:
     false_name: float
     n_replicas: int
     tails: Mapping[str, Tail]  # by an effect's name
-    whole: Tail  # of the largest gain of all: of effects that have no linear look
+    whole: Tail  # of the largest gain of all: of effects without a linear look at all places
     least_p: float  # of a kind, that as many replicas reach as the user accepts
     dispersion: float
     error_ratio: float  # of error variance over what a right model is assumed to have
@@ -178,7 +179,11 @@ def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_N
     by_kind: dict[str, list[Array]] = {}
     for instance, gains in zip(drawn.instances, drawn.replicas, strict=True):
         by_kind.setdefault(instance.effect.name, []).append(gains)
-    largest = {name: np.max(gains, axis=0) for name, gains in by_kind.items()}
+    of_any = np.max(drawn.replicas, axis=0)
+    # What was sought anywhere, a point or a line, is here but where it was found: its own gains are
+    # those of one place, and it was the best of many.
+    everywhere = {instance.effect.name for instance in all_instances(best.hypothesis.ordinary)}
+    largest = {name: np.max(own, axis=0) for name, own in by_kind.items() if name in everywhere}
     tails = {name: Tail.of(gains) for name, gains in largest.items()}
     of_each = [
         np.array([tails[name].p_value(gain) for gain in gains]) for name, gains in largest.items()
@@ -188,7 +193,7 @@ def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_N
         false_name=false_name,
         n_replicas=drawn.replicas.shape[1],
         tails=tails,
-        whole=Tail.of(np.max(list(largest.values()), axis=0)),
+        whole=Tail.of(of_any),
         least_p=float(np.quantile(least, false_name)),
         dispersion=drawn.dispersion,
         error_ratio=drawn.error_ratio,

@@ -60,7 +60,7 @@ def verdict_of(
             f"{both[0].title} and {both[1].title} together are what one mechanism would look "
             f"like, such as {both[0].effect.one_such_as}; the library does not know it"
         )
-    if _left_by_level(stage, final) > limits.outside_left:
+    if _left_between_levels(stage, final) > limits.outside_left:
         why.append(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
@@ -102,7 +102,7 @@ def _is_unplaced(
     )
 
 
-def _left_by_level(stage: Stage, final: Fit) -> float:
+def _left_between_levels(stage: Stage, final: Fit) -> float:
     """Largest part of a posture's response that is left where soft and hard hits are apart.
 
     A posture that hardly answers, such as one hit near the base, is mostly noise: there it is the

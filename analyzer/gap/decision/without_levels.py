@@ -58,7 +58,9 @@ def first_with_levels(
     """
     if has_levels(session):
         return session, tuple(more), []
-    chosen = next((other for other in more if has_levels(other) and _is_enough(other)), None)
+    chosen = next(
+        (other for other in more if has_levels(other) and _meets_requirements(other)), None
+    )
     if chosen is None:
         return session, tuple(more), []
     check_same_parts(session.header.arm, chosen.header.arm)
@@ -70,7 +72,7 @@ def first_with_levels(
     return first, tuple(levelled), [note]
 
 
-def _is_enough(session: Session) -> bool:
+def _meets_requirements(session: Session) -> bool:
     try:
         check_data_requirements(session)
     except EstimateError:

@@ -88,7 +88,7 @@ def laws(
             ),
             element=element,
             material=_LEAST,
-            starts=[
+            starting_points=[
                 {part: q, half: h}
                 for q, h in ((0.4, 0.2), (0.3, -0.7), (0.3, -2.0), (1.0, -2.0), (1.0, -3.5))
             ],

@@ -35,7 +35,7 @@ WORDS = EffectWords(
     covers=("gravity_compensator",),  # an arm has one; what its law leaves looks like another
     told_by="three postures that differ in that joint's angle alone; or the cylinder taken off",
     own_candidates=True,
-    several_starts=True,
+    separate_minima=True,
     remedy="put the cylinder's ends and stiffness into the model, or test with its valve open",
 )
 STD = 0.4  # of the joint's stiffness, where it is square to its lever

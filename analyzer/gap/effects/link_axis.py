@@ -32,7 +32,7 @@ WORDS = EffectWords(
     told_by="triplets of points on both sides of the line; postures that move the masses beyond it",
     remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
     one_with=("friction", "microslip", "softening", "backlash"),
-    several_starts=True,
+    separate_minima=True,
     one_such_as="a crack or a bolt in the link that opens under one sign of load",
 )
 _MATERIAL = 0.012  # of the arm's compliance

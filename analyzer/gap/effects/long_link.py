@@ -68,7 +68,7 @@ def given_way(
 
     size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 
-    def starts(values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
+    def starting_points(values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
         return [{**values, gamma: _START * size.std}]
 
     return Instance(
@@ -80,7 +80,7 @@ def given_way(
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
         ),
         builder=build,
-        initial_values=starts,
+        initial_values=starting_points,
         size=gamma,
         shapes=(spread,),
         pieces=f"hinges {line.name}",

@@ -83,6 +83,6 @@ def laws(
         ),
         element=element,
         material=_LEAST,
-        starts=[{part: q, reach: u} for q in (0.1, 0.5) for u in (-2.0, -0.7, 0.7)],
+        starting_points=[{part: q, reach: u} for q in (0.1, 0.5) for u in (-2.0, -0.7, 0.7)],
     )
     return (only,)

@@ -76,15 +76,17 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
     from_link, to_link = ends_of(ordinary, near, far)
     tag = f"{from_link} {to_link}"
     name = f"damper {tag}"
-    starts = [f"damper from {axis} {tag}" for axis in "xyz"]
-    ends = [f"damper to {axis} {tag}" for axis in "xyz"]
+    from_coordinates = [f"damper from {axis} {tag}" for axis in "xyz"]
+    to_coordinates = [f"damper to {axis} {tag}" for axis in "xyz"]
     std = size_std(ordinary)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        start, end = (np.array([values[n] for n in names]) for names in (starts, ends))
+        start, end = (
+            np.array([values[n] for n in names]) for names in (from_coordinates, to_coordinates)
+        )
         columns = np.stack(assembly.columns, axis=1)
         row, slopes = _row(assembly.geometry, near, far, start, end)
-        turns = dict(zip((*starts, *ends), slopes @ columns, strict=True))
+        turns = dict(zip((*from_coordinates, *to_coordinates), slopes @ columns, strict=True))
         for moved, ways in assembly.motion_of.items():  # of other effects: it stretches with them
             turns[moved] = np.zeros(len(assembly.columns))
             for at, way in ways:
@@ -96,16 +98,18 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         return {
             "from_link": from_link,
-            "from_m": [values[n] for n in starts],
+            "from_m": [values[n] for n in from_coordinates],
             "link": to_link,
-            "point_m": [values[n] for n in ends],
+            "point_m": [values[n] for n in to_coordinates],
         }
 
     def alternatives(
         values: Mapping[str, float],
     ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
         """As strong a damper between other links, at the same end where both share one."""
-        rest = {k: v for k, v in values.items() if k not in {name, *starts, *ends}}
+        rest = {
+            k: v for k, v in values.items() if k not in {name, *from_coordinates, *to_coordinates}
+        }
         found: list[tuple[Instance, Mapping[str, float]]] = []
         for other in instances(ordinary):
             if other.place == f"{from_link} and {to_link}":
@@ -115,11 +119,13 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
             half = len(other.shapes) // 2
             if theirs[0] == from_link:
                 begin |= {
-                    new: values[old] for new, old in zip(other.shapes[:half], starts, strict=True)
+                    new: values[old]
+                    for new, old in zip(other.shapes[:half], from_coordinates, strict=True)
                 }
             if theirs[1] == to_link:
                 begin |= {
-                    new: values[old] for new, old in zip(other.shapes[half:], ends, strict=True)
+                    new: values[old]
+                    for new, old in zip(other.shapes[half:], to_coordinates, strict=True)
                 }
             found.append((other, begin))
         return found
@@ -137,14 +143,14 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
         place=f"{from_link} and {to_link}",
         parameters=(
             Parameter(name=name, unit="N s/m", mean=0.0, std=std, low=0.0),
-            *place(starts, near),
-            *place(ends, far),
+            *place(from_coordinates, near),
+            *place(to_coordinates, far),
         ),
         builder=build,
         describe=describe,
         alternatives=alternatives,
         size=name,
-        shapes=(*starts, *ends),
+        shapes=(*from_coordinates, *to_coordinates),
         material=_MATERIAL * std,
         last=True,
     )

@@ -26,7 +26,7 @@ def law_instance(
     parameters: Sequence[Parameter],
     element: ElementOf,
     material: float,
-    starts: Sequence[Mapping[str, float]],
+    starting_points: Sequence[Mapping[str, float]],
     words_of_it: Mapping[str, str] | None = None,
 ) -> Instance:
     """Return a law at one joint; the first parameter is its size.
@@ -35,7 +35,7 @@ def law_instance(
     ----------
     swing_rad, rate_rad_s
         Of a hit of the middle level, where it moves the joint most: its turn, and its rate over it.
-    starts
+    starting_points
         Values of its parameters where fits begin.
     words_of_it
         Entries of its description that tell it from others of its kind there.
@@ -48,7 +48,7 @@ def law_instance(
         return gravity_load(geometry, links, column)
 
     def initial(values: Mapping[str, float]) -> list[Mapping[str, float]]:
-        return [{**values, **start} for start in starts]
+        return [{**values, **start} for start in starting_points]
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         del values

@@ -78,7 +78,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         # may be more than it has.
         lag = 2.0 * _DAMPING_RATIO * float(np.sqrt(gamma * _ROTOR * moment))
 
-        def starts(
+        def starting_points(
             values: Mapping[str, float],
             joint: str = joint,
             soft: str = soft,
@@ -118,7 +118,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     ),
                 ),
                 builder=build,
-                initial_values=starts,
+                initial_values=starting_points,
                 size=soft,
                 shapes=(inertia,),
                 hides_in=f"ln k {joint}",

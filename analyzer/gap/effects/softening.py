@@ -74,7 +74,7 @@ def laws(
         ),
         element=element,
         material=_LEAST,
-        starts=[
+        starting_points=[
             {part: q, bend: b}
             for q, b in (
                 (0.1, 1.5),

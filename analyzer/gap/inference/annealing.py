@@ -27,8 +27,8 @@ from armodal.protocols.session.records import Session
 __all__ = [
     "EVERY_STAGE",
     "FEWEST_POSTURES",
+    "annealing_stages",
     "of_test",
-    "stages_of",
     "with_test",
     "with_tests",
 ]
@@ -56,7 +56,7 @@ def _band_hz(superset: Superset, frfs: Sequence[FrequencyResponse]) -> tuple[flo
     return low, min(wanted, *(0.95 * float(f.freq_hz[-1]) for f in frfs))
 
 
-def stages_of(
+def annealing_stages(
     superset: Superset,
     session: Session,
     frfs: Sequence[FrequencyResponse],

@@ -33,7 +33,7 @@ __all__ = [
     "TOLERANCE",
     "Fit",
     "Stage",
-    "better_start",
+    "best_starting_point",
     "cost_at",
     "fit_hypothesis",
     "models_of",
@@ -133,7 +133,7 @@ def fit_hypothesis(
     tolerance: float = TOLERANCE,
     closing: bool = True,
     resumed: Fit | None = None,
-    enough: float = -np.inf,
+    target_cost: float = -np.inf,
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
@@ -154,11 +154,16 @@ def fit_hypothesis(
     resumed
         A fit of the same hypothesis whose end is the start: on the same lines it need not be
         evaluated again.
-    enough
+    target_cost
         Cost below which no further step is made.
     """
     once = partial(
-        _fit, stage, postures=postures, tolerance=tolerance, closing=closing, enough=enough
+        _fit,
+        stage,
+        postures=postures,
+        tolerance=tolerance,
+        closing=closing,
+        target_cost=target_cost,
     )
     if not hypothesis.has_laws:
         return once(hypothesis, start=start, resumed=resumed, max_iterations=max_iterations)
@@ -202,7 +207,7 @@ def _fit(
     tolerance: float,
     closing: bool,
     resumed: Fit | None,
-    enough: float,
+    target_cost: float,
 ) -> Fit:
     """Fit a hypothesis that is as linear as it gets: `fit_hypothesis`."""
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
@@ -218,7 +223,7 @@ def _fit(
     converged = False
     iteration = 0
     moved = False
-    while iteration < max_iterations and cost >= enough:
+    while iteration < max_iterations and cost >= target_cost:
         iteration += 1
         if moved:
             now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
@@ -261,11 +266,11 @@ def _fit(
     )
 
 
-def better_start(
-    stage: Stage, hypothesis: Hypothesis, starts: Sequence[Mapping[str, float]]
+def best_starting_point(
+    stage: Stage, hypothesis: Hypothesis, starting_points: Sequence[Mapping[str, float]]
 ) -> Mapping[str, float]:
     """Return the start of least cost."""
-    return min(starts, key=lambda start: cost_at(stage, hypothesis, start))
+    return min(starting_points, key=lambda start: cost_at(stage, hypothesis, start))
 
 
 def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) -> float:

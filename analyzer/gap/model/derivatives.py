@@ -139,7 +139,7 @@ class Solved:
         yield "ln hammer", -y
         yield "delay", -found.s_rad_s[:, None, None, :] * y
 
-    def by_aims(self) -> Iterator[tuple[int, str, ComplexArray]]:
+    def by_hit_directions(self) -> Iterator[tuple[int, str, ComplexArray]]:
         """Aim of each posture's hits: derivatives (m, 3, L) there, elsewhere they do nothing."""
         found = self.found
         if found.system.hit.shape[1] == 1:
@@ -147,9 +147,9 @@ class Solved:
                 [own.hit_turn @ across(own.lines.hit_direction[0]) for own in self.assemblies]
             )
             for side, letter in enumerate("ab"):
-                by_aim = found.by_force(0, sides[..., side])
+                by_hit_direction = found.by_force(0, sides[..., side])
                 for p, own in enumerate(self.assemblies):
-                    yield p, f"aim {letter} {own.lines.name}", by_aim[p]
+                    yield p, f"aim {letter} {own.lines.name}", by_hit_direction[p]
 
     def by_hit_places(self) -> Iterator[tuple[int, str, ComplexArray]]:
         """Place of the hits at the one point that is hit: derivatives (m, 3, L) of each posture."""

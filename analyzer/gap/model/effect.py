@@ -46,7 +46,9 @@ class EffectWords:
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
     least_shared: float = 0.0  # mountings that must bring it: fewer may be badly aimed hits
     own_candidates: bool = False  # a look of its own seeks it: the common one finds it too late
-    several_starts: bool = False  # each candidate of a place is a place to begin of its own
+    separate_minima: bool = (
+        False  # candidates of one place are local minima of their own: each is fitted
+    )
     ends_alike: bool = False  # of the two places it reaches between the tests tell the second
     told_by: str = ""  # which further test tells
     remedy: str = ""  # what to do in the lab now

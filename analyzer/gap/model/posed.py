@@ -171,7 +171,7 @@ class Postures:
             else:
                 slot = slot_of[row] = len(slot_of)
                 np.multiply(derivative, std[row], out=shared[slot], casting="same_kind")
-        for p, name, own in chain(posed.by_aims(), posed.by_hit_places()):
+        for p, name, own in chain(posed.by_hit_directions(), posed.by_hit_places()):
             row = space.index.get(name, -1)
             if row in among:
                 if row not in slot_of:

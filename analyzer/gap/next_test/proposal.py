@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.inference.fit import Fit, Stage, better_start, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import Fit, Stage, best_starting_point, fit_hypothesis
 from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -168,11 +168,13 @@ def _least_evidence(
     least = np.inf
     for true in range(len(ready)):
         would = {p: y[i] for pairs, y, _ in answers[true] for p, i in pairs}
-        by_aim = {
-            p: own for pairs, _, dy in answers[true] for p, own in ready[true].by_aim(pairs, dy)
+        by_hit_direction = {
+            p: own
+            for pairs, _, dy in answers[true]
+            for p, own in ready[true].by_hit_direction(pairs, dy)
         }
         weighings = [
-            _weighing(blank, floor, would[p], by_aim[p], tolerances)
+            _weighing(blank, floor, would[p], by_hit_direction[p], tolerances)
             for p, (blank, floor) in enumerate(zip(blanks, floors, strict=True))
         ]
         surprises = [_surprise(weighings, own, of) for own, of in zip(ready, answers, strict=True)]
@@ -182,14 +184,18 @@ def _least_evidence(
 
 
 def _weighing(
-    blank: PostureLines, floor: Array, would: ComplexArray, by_aim: Array, tolerances: Tolerances
+    blank: PostureLines,
+    floor: Array,
+    would: ComplexArray,
+    by_hit_direction: Array,
+    tolerances: Tolerances,
 ) -> Weighing:
     """Of what a rival would give: scatter, the blank's, goes with the answer, noise does not.
 
     Where hits hardly move a mode, scatter is what their aim makes of it: more than goes with it.
     """
     size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
-    variance = floor + np.maximum(blank.variance * size, by_aim)
+    variance = floor + np.maximum(blank.variance * size, by_hit_direction)
     lines = replace(blank, values=would, variance=variance)
     return Weighing(lines, tolerances, Discrepancy())
 
@@ -237,7 +243,7 @@ def hidden_rival(stage: Stage, final: Fit, candidate: Candidate, change: float) 
         pinned = replace(instance, parameters=tuple(parameters))
         begin = {**{p.name: p.first for p in parameters}, **begin}
     wider = Hypothesis(ordinary=present.ordinary, instances=(*present.instances, pinned))
-    start = better_start(stage, wider, [begin, {**final.values, name: size}])
+    start = best_starting_point(stage, wider, [begin, {**final.values, name: size}])
     return fit_hypothesis(stage, wider, start=start, max_iterations=_STEPS)
 
 
@@ -268,7 +274,7 @@ class _Ready:
         log_det = float(np.linalg.slogdet(A)[1])
         return cls(hypothesis, space, values, A, log_det, free)
 
-    def by_aim(
+    def by_hit_direction(
         self, rows: Sequence[tuple[int, int]], dy: ComplexArray
     ) -> Iterator[tuple[int, Array]]:
         """Variance of each row's answer, (m, 3, L), if its mounting's hits have their own aim."""

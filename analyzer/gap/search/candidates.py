@@ -65,7 +65,7 @@ def all_candidates(
     best: dict[tuple[str, str], list[Candidate]] = {}
     for candidate in sorted(found, key=lambda c: -c.gain):
         same = best.setdefault(candidate.instance.key, [])
-        if not same or candidate.instance.effect.several_starts:
+        if not same or candidate.instance.effect.separate_minima:
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
     return sorted(every, key=lambda c: -c.gain)

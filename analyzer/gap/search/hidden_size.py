@@ -85,10 +85,10 @@ class HiddenSize:
             name: value + candidate.follow.get(name, 0.0) * size
             for name, value in final.values.items()
         }
-        enough = (
+        target_cost = (
             final.cost + 0.5 * float(chdtri(1, 0.05)) * self._inflation
         )  # 95 % of one parameter's
-        if cost_at(stage, hypothesis, followed) < enough:
+        if cost_at(stage, hypothesis, followed) < target_cost:
             return True
         if steps == 0:
             return False
@@ -99,8 +99,8 @@ class HiddenSize:
                 start=followed,
                 max_iterations=steps,
                 closing=False,
-                enough=enough,
+                target_cost=target_cost,
             )
         except np.linalg.LinAlgError:  # so large that nothing holds the arm
             return False
-        return fit.cost < enough
+        return fit.cost < target_cost

@@ -64,7 +64,7 @@ def _best_start(stage: Stage, hypothesis: Hypothesis, base: Fit) -> Mapping[str,
         base.hypothesis, stage.models, stage.lines, base.values, (last.law.joint,)
     )
     costs: list[float] = []
-    starts: list[Mapping[str, float]] = []
+    starting_points: list[Mapping[str, float]] = []
     for begin in last.initial_values(base.values):
         try:
             kept = kept_spring(last.law, near, stage.lines, space.values(space.start(begin)))
@@ -77,5 +77,5 @@ def _best_start(stage: Stage, hypothesis: Hypothesis, base: Fit) -> Mapping[str,
         except np.linalg.LinAlgError:
             continue
         costs.append(sum(misfit) + 0.5 * float(u @ u))
-        starts.append(values)
-    return starts[costs.index(min(costs))] if costs else None
+        starting_points.append(values)
+    return starting_points[costs.index(min(costs))] if costs else None

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from armodal.analyzer.gap.inference.fit import (
     Fit,
     Stage,
-    better_start,
+    best_starting_point,
     fit_hypothesis,
 )
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -34,7 +34,7 @@ __all__ = ["LOOK", "PATIENCE", "STEPS", "Rivals", "annealed", "find_rivals"]
 
 _KEPT = 28  # candidates fitted on the widest lines; on each sharper stage half as many
 LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
-_PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starts
+_PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starting points
 _LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
 STEPS, MOST_STEPS = 3, 28  # of a fit until it is asked whether to go on, and in all
 # A fit goes on while so many times what it still promises could bring it beside the best: within
@@ -253,16 +253,16 @@ def _begun(
     present = about.hypothesis
     richer = replace(present, instances=(*present.instances, candidate.instance))
     values = about.values
-    starts: list[Mapping[str, float]] = [values, start]
+    starting_points: list[Mapping[str, float]] = [values, start]
     if also is not None and also is not about:
-        starts.append(also.values)
+        starting_points.append(also.values)
     for base in [values] if also is None else [values, also.values]:
         if candidate.begin:
-            starts += [_part_of_the_way(base, candidate, part) for part in _PARTS]
+            starting_points += [_part_of_the_way(base, candidate, part) for part in _PARTS]
         if candidate.instance.initial_values is not None:
-            starts += candidate.instance.initial_values(base)
-        starts += _of_every_size(base, candidate)
-    best = better_start(stage, richer, starts)
+            starting_points += candidate.instance.initial_values(base)
+        starting_points += _of_every_size(base, candidate)
+    best = best_starting_point(stage, richer, starting_points)
     fits = [fit_hypothesis(stage, richer, start=best, max_iterations=STEPS)]
     if also is not None and best is not values:
         fits.append(fit_hypothesis(stage, richer, start=values, max_iterations=STEPS))

@@ -32,7 +32,7 @@ def instances():
     )
 
 
-def calibrated(monkeypatch, false_name, dispersion=1.0):
+def calibrated(monkeypatch, false_name, dispersion=1.0, library=None):
     gains = Gains(
         instances=instances(),
         replicas=drawn(np.random.default_rng(0), 4000),
@@ -41,6 +41,7 @@ def calibrated(monkeypatch, false_name, dispersion=1.0):
     )
     monkeypatch.setattr(calibration, "replica_gains", lambda *_: gains)
     monkeypatch.setattr(calibration, "others_beside", lambda _: ())
+    monkeypatch.setattr(calibration, "all_instances", lambda _: library or instances())
     present = made_fit(Hypothesis(ordinary=None), cost=100.0)
     return calibrate(None, present, present, false_name)
 
@@ -70,6 +71,14 @@ def test_what_no_linear_look_tells_has_the_limit_of_the_whole_library(monkeypatc
     fresh = drawn(np.random.default_rng(2), 40_000).max(axis=0)
     rate = np.mean(fresh > found.limit("swapped_axes"))
     assert rate == pytest.approx(0.01, abs=4.0 * np.sqrt(0.01 / 4000))
+
+
+def test_what_was_found_anywhere_is_not_judged_by_its_own_place_alone(monkeypatch):
+    """Replicas have a point or a line only where the search found it: the best of many."""
+    sought = tuple(i for i in instances() if i.effect.name != "little")
+    found = calibrated(monkeypatch, 0.01, library=sought)
+    assert found.limit("little") == found.limit("swapped_axes") > found.limit("some")
+    assert found.p_value("little", found.limit("some")) > 0.01
 
 
 def test_errors_that_disagree_widen_what_tells_rivals_apart(monkeypatch):

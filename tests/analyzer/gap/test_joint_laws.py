@@ -11,7 +11,7 @@ from support.small_case import SmallCase, small_case
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
-from armodal.analyzer.gap.inference.fit import Stage, better_start, cost_at, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import Stage, best_starting_point, cost_at, fit_hypothesis
 from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.joint_laws import Bent, Play, Sliders, over_a_swing
@@ -231,9 +231,12 @@ def test_a_joint_s_own_law_explains_more_than_a_spring_of_each_level(kind, modul
     )
     swings = swings_of(plain, stage.models, stage.lines, first.values)
     hypothesis = with_law(plain, module, joint, swings)
-    starts = hypothesis.instances[0].initial_values(springs.values)
+    starting_points = hypothesis.instances[0].initial_values(springs.values)
     law = fit_hypothesis(
-        stage, hypothesis, start=better_start(stage, hypothesis, starts), max_iterations=6
+        stage,
+        hypothesis,
+        start=best_starting_point(stage, hypothesis, starting_points),
+        max_iterations=6,
     )
     assert law.cost < springs.cost
 

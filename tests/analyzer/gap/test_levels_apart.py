@@ -12,7 +12,7 @@ from armodal.analyzer.gap.decision.judge import Judged, Thresholds, follows_no_l
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.effects import friction
 from armodal.analyzer.gap.effects.point_candidates import channel_candidates
-from armodal.analyzer.gap.inference.annealing import stages_of, with_test
+from armodal.analyzer.gap.inference.annealing import annealing_stages, with_test
 from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hit_levels import middle_level
@@ -40,13 +40,13 @@ def apart(linear):
     superset = Superset(linear.header.arm)
     frfs = estimate_frfs(linear, superset)
     about = middle_level(linear)
-    stages = stages_of(superset, linear, frfs, level_about=about)
+    stages = annealing_stages(superset, linear, frfs, level_about=about)
     return with_test(stages, superset, linear, 2, level_about=about)
 
 
 def test_a_further_test_of_an_arm_with_other_points_is_refused(linear):
     superset = Superset(linear.header.arm)
-    stages = stages_of(superset, linear, estimate_frfs(linear, superset))
+    stages = annealing_stages(superset, linear, estimate_frfs(linear, superset))
     arm = linear.header.arm
     more = replace(arm, points=(*arm.points, replace(arm.points[0], id="new")))
     other = replace(linear, header=replace(linear.header, arm=more))

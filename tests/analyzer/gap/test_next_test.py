@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.inference.annealing import stages_of
+from armodal.analyzer.gap.inference.annealing import annealing_stages
 from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -30,7 +30,7 @@ from armodal.study.laboratory import SimulatedLaboratory
 def known():
     session = make_case(seed=9, arm="ur5").session()
     superset = Superset(session.header.arm)
-    stage = stages_of(superset, session, estimate_frfs(session, superset))[0]
+    stage = annealing_stages(superset, session, estimate_frfs(session, superset))[0]
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stage.lines))
     return stage, fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=6)
 

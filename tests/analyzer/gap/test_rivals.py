@@ -57,12 +57,12 @@ def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
     )
     tried = {}
 
-    def better(_stage, hypothesis, starts):
-        tried[hypothesis.instances[-1].place] = starts
-        return starts[0]
+    def better(_stage, hypothesis, starting_points):
+        tried[hypothesis.instances[-1].place] = starting_points
+        return starting_points[0]
 
     looked = [Candidate(instance=one, gain=100.0) for one in (spring, other)]
-    monkeypatch.setattr(rivals, "better_start", better)
+    monkeypatch.setattr(rivals, "best_starting_point", better)
     monkeypatch.setattr(
         rivals, "fit_hypothesis", lambda _, h, **__: made_fit(h, cost=0.0, space=Space([]), u=[])
     )

@@ -9,7 +9,7 @@ from armodal.hil_sim.makers.frame.structure import Complex
 RANGE = (0.01, 4.0)  # compliance of the servo over the gear's
 OWN_HZ = (10.0, 90.0)  # of the rotor on its servo
 RATIO = (0.25, 1.0)  # damping ratio of that
-DELAY_S = (0.0, 2e-3)
+DELAY_S = 2e-3  # at most
 BRAKE = 300.0  # times as stiff as the servo
 
 
@@ -19,7 +19,12 @@ def where(drawn: Everyday) -> list[str]:
 
 
 def hide(kit: Kit, place: str, size: float) -> Hidden:
-    """Replace the drive's law by gear and servo in series, exact in frequency."""
+    """Replace the drive's law by gear and servo in series, exact in frequency.
+
+    A loop that is tuned at all damps its rotor, also where that swings between gear and servo:
+    there Im((K + D s) e^(-s T)) > 0, below I w^2 = K + k + D w (Franklin, Powell and
+    Emami-Naeini, Feedback Control of Dynamic Systems, section 6.4).
+    """
     parts, rng = kit.parts, kit.rng
     drive = parts.drives[place]
     gear, own = drive.stiffness, drive.law
@@ -27,7 +32,10 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     omega = 2.0 * np.pi * float(rng.uniform(*OWN_HZ))
     rotor = stiffness / omega**2
     damping = 2.0 * float(rng.uniform(*RATIO)) * stiffness / omega
-    delay = float(rng.uniform(*DELAY_S))
+    half = damping / (2.0 * rotor)
+    fastest = half + float(np.sqrt(half**2 + (stiffness + gear) / rotor))
+    undamped = float(np.arctan(damping * fastest / stiffness)) / fastest
+    delay = float(rng.uniform(0.0, min(DELAY_S, undamped)))
 
     def law(s: Complex) -> Complex:
         held = stiffness * (BRAKE if parts.braked else 1.0)

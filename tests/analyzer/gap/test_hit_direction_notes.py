@@ -5,9 +5,9 @@ import pytest
 from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.inference.aim_notes import notes_on_aims
-from armodal.analyzer.gap.inference.annealing import stages_of, with_test
+from armodal.analyzer.gap.inference.annealing import annealing_stages, with_test
 from armodal.analyzer.gap.inference.fit import fit_hypothesis
+from armodal.analyzer.gap.inference.hit_direction_notes import hit_direction_notes
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.next_test.advice import plan_text
@@ -36,10 +36,10 @@ def notes(case, direction):
     text = plan_text(test, session.header.plan, case.arm, comment="test")
     more = case.session(plan_from_text(text, case.arm, origin="test"), run=1)
     superset = Superset(session.header.arm)
-    stages = stages_of(superset, session, estimate_frfs(session, superset))
+    stages = annealing_stages(superset, session, estimate_frfs(session, superset))
     stage = with_test(stages, superset, more, 2)[-1]
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stage.lines))
-    return notes_on_aims(
+    return hit_direction_notes(
         stage, fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=6)
     )
 

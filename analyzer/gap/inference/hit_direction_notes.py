@@ -10,14 +10,14 @@ import numpy as np
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 
-__all__ = ["notes_on_aims"]
+__all__ = ["hit_direction_notes"]
 
 # Of the response at a line, by an aim off by the arm's tolerance: postures of both arms' plans have
 # 0.21 at most; one with 0.29 was said to have what the library does not know, and had nothing.
 _MUCH = 0.25
 
 
-def notes_on_aims(stage: Stage, fit: Fit) -> list[str]:
+def hit_direction_notes(stage: Stage, fit: Fit) -> list[str]:
     """Return a note for every posture where an ordinary error of the aim changes a line by much."""
     ordinary = fit.hypothesis.ordinary
     off_deg = np.rad2deg(ordinary.arm.tolerances.hit_direction_rad)
@@ -27,8 +27,8 @@ def notes_on_aims(stage: Stage, fit: Fit) -> list[str]:
         for p, i in rows:
             lines = stage.lines[p]
             sides = [fit.space.index[f"aim {side} {lines.name}"] for side in "ab"]
-            by_aim = np.sum(np.abs(dy[sides, i]) ** 2, axis=(0, 1, 2))
-            part = np.sqrt(by_aim / np.sum(np.abs(y[i]) ** 2, axis=(0, 1)))
+            by_hit_direction = np.sum(np.abs(dy[sides, i]) ** 2, axis=(0, 1, 2))
+            part = np.sqrt(by_hit_direction / np.sum(np.abs(y[i]) ** 2, axis=(0, 1)))
             worst = int(np.argmax(part))
             if part[worst] > _MUCH:
                 hz = lines.s_rad_s[worst].imag / (2.0 * np.pi)
