@@ -138,7 +138,8 @@ def main() -> int:
         return 2
     WORK.mkdir(parents=True, exist_ok=True)
     names = given.names or [*python_names(), C_NAME]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    # Seconds are of the clock: one more at once than there are processors.
+    with ThreadPoolExecutor((os.cpu_count() or 1) + 1) as pool:
         found = pool.map(lambda name: figure_of(name, given.seconds, kept=given.keep), names)
         return told([figure for figure in found if figure is not None])
 

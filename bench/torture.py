@@ -6,13 +6,14 @@
 A torture is a script `torture_NAME.py` that ends with exit code 0 if all is as wanted. Rows
 `| what | reached | wanted | good |` among its words (`figures.py`) come into the table.
 
-Those of `ALONE` run one after the other at the end: they keep all processors busy themselves, or
-their laboratory passes in real time. The others go before, one more at once than there are
-processors.
+Those of `ALONE` run one after the other at the end: their laboratory passes in real time. The
+others go before, the longest first, one more at once than there are processors, since some mostly
+wait. What they count does not depend on how fast they come along; what they measure is memory, or
+time of a processor.
 
 One that went well at this commit is not run again: what it said is kept in `build/torture`, so that
 an interrupted torture goes on where it was. `--fresh` runs all anew. The table, with date and
-commit of each part, is written to `build/torture/table.md`.
+commit of each part, is written to `build/torture/table.md`, how long each took to `minutes.md`.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ from typing import Any
 HERE = Path(__file__).parent
 KEPT = HERE.parent / "build" / "torture"
 HEAD = "| figure | reached | wanted | good | date | commit |\n|---|---|---|---|---|---|"
-ALONE = ("disk_faults", "faults", "kill_points", "power_cuts", "real_kills", "soak")
-LONGEST = ("source_kills", "coverage")  # first: the others fit beside them
+ALONE = ("faults", "real_kills", "soak")
+LONGEST = ("coverage", "day_soak", "adversary", "source_kills", "fuzz", "bounds")  # these first
 
 
 def name_of(script: Path) -> str:
@@ -83,17 +84,26 @@ def kept_or_run(script: Path, at: str, *, fresh: bool) -> dict[str, Any]:
 
 def all_run(scripts: list[Path], at: str, *, fresh: bool) -> dict[Path, dict[str, Any]]:
     """Run all of them; return what each said."""
-    beside = sorted(
-        (s for s in scripts if name_of(s) not in ALONE), key=lambda s: name_of(s) not in LONGEST
-    )
-    alone = sorted(
-        (s for s in scripts if name_of(s) in ALONE), key=lambda s: ALONE.index(name_of(s))
-    )
+    order = [*LONGEST, *sorted({name_of(s) for s in scripts} - {*LONGEST, *ALONE}), *ALONE]
+    scripts = sorted(scripts, key=lambda script: order.index(name_of(script)))
+    beside = [script for script in scripts if name_of(script) not in ALONE]
+    alone = [script for script in scripts if name_of(script) in ALONE]
     processors = os.cpu_count() or 1
-    with ThreadPoolExecutor(processors + 1) as pool:  # sessions on sources mostly wait
+    with ThreadPoolExecutor(processors + 1) as pool:
         said = list(pool.map(lambda script: kept_or_run(script, at, fresh=fresh), beside))
     said += [kept_or_run(script, at, fresh=fresh) for script in alone]
     return dict(zip(beside + alone, said, strict=True))
+
+
+def minutes_of(results: dict[Path, dict[str, Any]], all_s: float) -> str:
+    """Return how long each part took, and all of them, as a table."""
+    took = {name_of(script): result["seconds"] / 60 for script, result in results.items()}
+    beside = sum(minutes for name, minutes in took.items() if name not in ALONE)
+    rows = [f"| {name} | {took[name]:.1f} |" for name in sorted(took, key=took.__getitem__)[::-1]]
+    load = os.getloadavg()[2]
+    whole = f"this run, {os.cpu_count()} processors, a load of {load:.0f} at last"
+    rows.append(f"| those beside each other, summed | {beside:.1f} |")
+    return "\n".join(["| part | minutes |\n|---|---|", *rows, f"| {whole} | {all_s / 60:.1f} |"])
 
 
 def main() -> int:
@@ -113,10 +123,10 @@ def main() -> int:
         for row in results[script]["rows"]
     ]
     table = "\n".join([HEAD, *lines])
-    minutes = ", ".join(f"{name_of(s)} {results[s]['seconds'] / 60:.0f}" for s in scripts)
-    print(f"\nminutes: {minutes}; {(time.monotonic() - begun) / 60:.0f} in all")
-    print(f"\n{table}")
+    minutes = minutes_of(results, time.monotonic() - begun)
+    print(f"\n{minutes}\n\n{table}")
     (KEPT / "table.md").write_text(table + "\n", encoding="utf-8")
+    (KEPT / "minutes.md").write_text(minutes + "\n", encoding="utf-8")
     return 0 if all(result["good"] for result in results.values()) else 1
 
 

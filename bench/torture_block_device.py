@@ -7,6 +7,9 @@ is durable. At a random moment it is stopped, and the device is copied as it is:
 holds and has not written is lost, as when the power goes. The copy is mounted, which replays the
 file system's own journal, and every hit told of must be in it. Needs root and loop devices; without
 them that is said, and nothing is tried.
+
+On the same device ext4 turns itself read-only under the writer, as it does when a disk fails, and a
+small file system in memory (tmpfs) is written until it is full.
 """
 
 from __future__ import annotations
@@ -38,7 +41,10 @@ from armodal.protocols.file_layer import Disk
 from armodal.protocols.session.journal import decode_journal, encode_hit, read_journal
 
 WANTED = 200
+REFUSED = 40  # times a file system turns read-only, or full
+REFUSING = {"ext4": "ext4 that turns itself read-only", "tmpfs": "tmpfs that fills up"}
 IMAGE_BYTES = 64 * 2**20
+SMALL_BYTES = 2**20
 LONGEST_S = 0.3  # of writing before a cut
 LAZY = 3  # cuts of a journal whose sync does nothing: they must find that
 COUNTED = 4  # bytes of a number told
@@ -106,8 +112,57 @@ def cut(
             said += telling.read()
     finally:
         run("umount", place)
-    last = int.from_bytes(said[-COUNTED:], "little")
     run("mount", "-o", "loop", left, place)
+    try:
+        return what_is_lost(said, place, source)
+    finally:
+        run("umount", place)
+
+
+def refused(root: Path, source: Path, rng: np.random.Generator, *, kind: str) -> tuple[int, str]:
+    """Write until the file system takes no more; return as `cut` does."""
+    image, place = root / "disk", root / "mounted"
+    place.mkdir(exist_ok=True)
+    if kind == "ext4":
+        with image.open("wb") as file:
+            file.truncate(IMAGE_BYTES)
+        run("mkfs.ext4", "-q", "-F", image)
+        run("mount", "-o", "loop", image, place)
+    else:
+        run("mount", "-t", "tmpfs", "-o", f"size={SMALL_BYTES}", "tmpfs", place)
+    try:
+        process, telling = writing(place, source, Disk())
+        with telling:
+            said = telling.read(COUNTED)
+            if kind == "ext4":
+                time.sleep(float(rng.uniform(0.0, LONGEST_S)))
+                run("mount", "-o", "remount,abort", place)
+            said += telling.read()  # until it ends by itself
+            os.waitpid(process, 0)
+        if kind == "ext4":
+            run("umount", place)
+            run("mount", "-o", "loop", image, place)
+        return what_is_lost(said, place, source)
+    finally:
+        run("umount", place)
+
+
+def refused_often(
+    root: Path, source: Path, rng: np.random.Generator, *, kind: str
+) -> tuple[int, int]:
+    """Return how many hits were told of in all, and how many times one was lost."""
+    hits = times = 0
+    for number in range(REFUSED):
+        n, lost = refused(root, source, rng, kind=kind)
+        hits, times = hits + n, times + bool(lost)
+        if lost:
+            print(f"{kind}, time {number}: told of {n}, lost {lost}", flush=True)
+    return hits, times
+
+
+def what_is_lost(said: bytes, place: Path, source: Path) -> tuple[int, str]:
+    """Return how many hits were told of, and which of them are not there."""
+    last = int.from_bytes(said[-COUNTED:], "little")
     try:
         wanted = decode_journal(source.read_bytes()).hits
         found = {hit.number: hit for hit in read_journal(place / "session.journal").hits}
@@ -118,10 +173,7 @@ def cut(
         ]
     except (ArmodalError, OSError) as error:
         return last, str(error)
-    else:
-        return last, f"{len(lost)} hits, {lost[:3]} ..." if lost else ""
-    finally:
-        run("umount", place)
+    return last, f"{len(lost)} hits, {lost[:3]} ..." if lost else ""
 
 
 def can_mount() -> bool:
@@ -151,6 +203,10 @@ def main() -> int:
                 wrong += 1
                 print(f"cut {number}: told of {n}, lost {lost}", flush=True)
         rng = np.random.default_rng(given.seed)
+        ended = [
+            (what, refused_often(Path(folder), source, rng, kind=kind))
+            for kind, what in REFUSING.items()
+        ]
         lazy = [cut(Path(folder), source, rng, lazily=True)[1] for _ in range(LAZY)]
     return told(
         [
@@ -160,6 +216,11 @@ def main() -> int:
             Figure("... cuts after which one was lost", str(wrong), "0", not wrong),
             Figure(f"... where sync does nothing, of {LAZY} cuts", str(sum(map(bool, lazy))),
                    str(LAZY), all(lazy)),
+            *(
+                Figure(f"{what}, {REFUSED} times: times a hit told of was lost, of {n:,} hits",
+                       str(lost), "0", lost == 0 < n)
+                for what, (n, lost) in ended
+            ),
         ]
     )  # fmt: skip
 

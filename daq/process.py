@@ -19,6 +19,7 @@ from typing import IO, Any
 from armodal.daq.acquisition import run_acquisition
 from armodal.daq.lab_watch import run_lab_watch
 from armodal.daq.settings import AcquisitionSettings
+from armodal.protocols.memory_bound import nothing_bounded
 
 __all__ = ["DaqProcess", "ask_for_priority", "start_process"]
 
@@ -57,7 +58,7 @@ def start_process(body: str, settings: AcquisitionSettings) -> DaqProcess:
     """
     ours, theirs = socket.socketpair()
     stderr = tempfile.TemporaryFile()  # noqa: SIM115 - it is read when the process has gone
-    with theirs:
+    with theirs, nothing_bounded():
         command = [sys.executable, "-m", "armodal.daq.process", body, str(theirs.fileno())]
         # The command is composed here, of this interpreter and checked values.
         process = subprocess.Popen(  # noqa: S603

@@ -13,7 +13,6 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from importlib import import_module
-from pathlib import Path
 
 from armodal.protocols.errors import (
     ArmError,
@@ -21,6 +20,7 @@ from armodal.protocols.errors import (
     ForeignFileError,
     MissingPackageError,
 )
+from armodal.protocols.memory_bound import address_space_bytes
 
 __all__ = ["apart", "bytes_allowed", "most_bytes_beside", "most_s_beside"]
 
@@ -114,9 +114,7 @@ def _bound(most_bytes: int, most_s: int) -> None:
         import resource  # noqa: PLC0415 - not on every system
     except ImportError:
         return
-    held, used_s = 0, int(time.process_time())
-    with suppress(OSError):
-        held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    held, used_s = address_space_bytes(), int(time.process_time())
     for kind, most in (
         (resource.RLIMIT_AS, held + most_bytes if held else resource.RLIM_INFINITY),
         (resource.RLIMIT_CPU, used_s + most_s),

@@ -6,8 +6,10 @@ write, sync, cut and renaming (`docs/reliability.md`).
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -88,6 +90,7 @@ class Disk:
             os.fsync(fd)
         else:
             os.fdatasync(fd)
+        _check_writable(fd)
 
     def cut(self, fd: int, size: int) -> None:
         """Drop everything behind byte `size`."""
@@ -114,6 +117,22 @@ class Disk:
             os.fsync(fd)
         finally:
             os.close(fd)
+
+
+def _check_writable(fd: int) -> None:
+    """Raise OSError if a file system has turned read-only meanwhile.
+
+    Linux 6.18 ends a sync on ext4 without a word where ext4's own journal was given up under it. To
+    set the file's times makes ext4 look at that journal, and then it refuses a write, also of
+    nothing. Other versions show it in the file system's flags.
+    """
+    if sys.platform == "win32":
+        return
+    with suppress(OSError):  # not every file system takes times
+        os.utime(fd)
+    os.write(fd, b"")
+    if os.fstatvfs(fd).f_flag & os.ST_RDONLY:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
 
 DISK = Disk()

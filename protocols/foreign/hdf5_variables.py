@@ -2,7 +2,7 @@
 
 Only what is in the file itself is read: hard links, no external or virtual data, no filters but
 gzip, shuffle and checksums, nothing whose size is not known before. Datasets in groups are named
-after them, `test.frf`.
+after them, `test.frf`. HDF5 itself makes room for what a file says, so it is bounded meanwhile.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.apart import most_bytes_beside
 from armodal.protocols.bounds import most_decoded_bytes
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.rattlesnake import is_rattlesnake, rattlesnake_variables
@@ -23,6 +24,8 @@ from armodal.protocols.foreign.roles import split_unit
 from armodal.protocols.foreign.variables import Listed, Variable, Variables
 from armodal.protocols.hdf5_heap import has_endless_heap
 from armodal.protocols.hdf5_superblock import names_a_driver
+from armodal.protocols.hdf5_virtual import has_virtual_dataset
+from armodal.protocols.memory_bound import at_most_more
 
 __all__ = ["hdf5_variables"]
 
@@ -49,10 +52,13 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
     """
     origin = path.name
     try:
-        if has_endless_heap(path) or names_a_driver(path):
-            raise OSError("a heap without end, or a driver's block")
-        with h5py.File(path, "r", locking="best-effort") as file:
-            reader = _Reader(file, origin, most_decoded_bytes(path.stat().st_size))
+        _check_bytes(path)
+        size = path.stat().st_size
+        with (
+            at_most_more(most_bytes_beside(size)),
+            h5py.File(path, "r", locking="best-effort") as file,
+        ):
+            reader = _Reader(file, origin, most_decoded_bytes(size))
             part = reader.part()
             if is_rattlesnake(part, dict(reader.numbers_of(file))):
                 return rattlesnake_variables(part, reader.settings)
@@ -61,9 +67,20 @@ def hdf5_variables(path: Path) -> tuple[Variables, ...]:
         if isinstance(error, ForeignFileError):
             raise
         raise ForeignFileError(
-            f"{origin}: wanted an HDF5 file, it cannot be read as one: truncated or damaged? Save "
-            "it again"
+            f"{origin}: wanted an HDF5 file, it cannot be read as one: truncated, damaged, or of "
+            "far more than its size? Save it again"
         ) from error
+
+
+def _check_bytes(path: Path) -> None:
+    """Raise before HDF5 opens what it would go round in, or what would crash it."""
+    if has_endless_heap(path) or names_a_driver(path):
+        raise OSError("a heap without end, or a driver's block")
+    if has_virtual_dataset(path):
+        raise ForeignFileError(
+            f"{path.name}: wanted an HDF5 file that holds its data itself, got a virtual dataset, "
+            "whose data lie in other files; copy them into one"
+        )
 
 
 class _Reader:

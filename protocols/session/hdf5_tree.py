@@ -2,7 +2,7 @@
 
 Written: fixed-length UTF-8 strings, little-endian numbers, contiguous, no links but hard ones.
 Read: nothing else, and nothing before its size is known. Attributes are written for viewers and
-never read back.
+never read back. HDF5 itself makes room for what a file says, so it is bounded meanwhile.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ import numpy.typing as npt
 from armodal.protocols.errors import SessionError
 from armodal.protocols.hdf5_heap import has_endless_heap
 from armodal.protocols.hdf5_superblock import names_a_driver
+from armodal.protocols.hdf5_virtual import has_virtual_dataset
+from armodal.protocols.memory_bound import at_most_more
 
 __all__ = [
     "Tree",
@@ -37,6 +39,7 @@ _ALLOWED_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
 _BUDGET_FLOOR = 16 * 2**20
 _BUDGET_FACTOR = 100  # bytes read at most, per byte of the file: what repacking may compress
 _BUDGET_CEILING = 2**32
+_LIBRARY_BYTES = 64 * 2**20  # that HDF5 may take besides, for what it knows of a file and a chunk
 _HDF5_ERRORS = (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, MemoryError)
 
 
@@ -78,9 +81,10 @@ def add_texts(parent: h5py.Group, name: str, texts: Sequence[str]) -> None:
 def open_tree(path: Path) -> Iterator[Tree]:
     """Open an HDF5 file for reading; whatever HDF5 refuses becomes one SessionError."""
     try:
-        if has_endless_heap(path) or names_a_driver(path):
-            raise OSError("a heap without end, or a driver's block")
-        with h5py.File(path, "r", locking="best-effort") as file:
+        _check_bytes(path)
+        with at_most_more(_LIBRARY_BYTES):
+            file = h5py.File(path, "r", locking="best-effort")
+        with file:
             yield Tree(file, path)
     except SessionError:
         raise
@@ -93,6 +97,18 @@ def open_tree(path: Path) -> Iterator[Tree]:
             f"{path} cannot be read: wanted a session file that armodal wrote, found something "
             f"else or a damaged one; {_way_out(path)}"
         ) from error
+
+
+def _check_bytes(path: Path) -> None:
+    """Raise before HDF5 opens what it would go round in, or what would crash it."""
+    if has_endless_heap(path) or names_a_driver(path):
+        raise OSError("a heap without end, or a driver's block")
+    if has_virtual_dataset(path):
+        raise SessionError(
+            f"{path}: wanted a session with its data in this file, data in another file came; the "
+            "file is damaged or was not written by armodal: rebuild it from its journal with "
+            "`armodal recover`"
+        )
 
 
 class Tree:
@@ -120,8 +136,7 @@ class Tree:
 
     def group(self, name: str) -> Tree:
         """Return the sub-group called `name`."""
-        self._check_link(name, h5py.Group, "a group")
-        return Tree(self._group[name], self._path, self._budget)
+        return Tree(self._member(name, h5py.Group, "a group"), self._path, self._budget)
 
     def array(
         self,
@@ -187,8 +202,7 @@ class Tree:
             self.refuse(name, "UTF-8", str(error))
 
     def _dataset(self, name: str) -> h5py.Dataset:
-        self._check_link(name, h5py.Dataset, "a dataset")
-        dataset = self._group[name]
+        dataset = self._member(name, h5py.Dataset, "a dataset")
         if dataset.is_virtual or dataset.external:
             self.refuse(name, "data in this file", "data in another file")
         plist = dataset.id.get_create_plist()
@@ -199,22 +213,26 @@ class Tree:
             self.refuse(name, f"{dataset.nbytes} bytes stored", str(dataset.id.get_storage_size()))
         return dataset
 
-    def _check_link(self, name: str, wanted: type, words: str) -> None:
+    def _member(self, name: str, wanted: type, words: str) -> Any:
         if not self.has(name):
             self.refuse(name, words, "nothing")
         link = self._group.get(name, getlink=True)
         if not isinstance(link, h5py.HardLink):
             self.refuse(name, f"{words} in place", f"a {type(link).__name__}")
-        found = self._group.get(name, getclass=True)
+        with at_most_more(_LIBRARY_BYTES):
+            found = self._group.get(name, getclass=True)
+            member = self._group[name]
         if found is not wanted:
             self.refuse(name, words, f"a {found.__name__.lower()}")
+        return member
 
     def _read(self, name: str, dataset: h5py.Dataset) -> npt.NDArray[Any]:
         size = math.prod(dataset.shape) * dataset.dtype.itemsize
         self._budget[0] -= size
         if self._budget[0] < 0:
             self.refuse(name, "at most 100 times the file's size in all", f"{size} bytes more")
-        return np.asarray(dataset[()])
+        with at_most_more(size + _LIBRARY_BYTES):
+            return np.asarray(dataset[()])
 
 
 def _shape_words(shape: tuple[int | None, ...]) -> str:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import re
+from datetime import datetime, timedelta
+from itertools import count
 from pathlib import Path
 
 import pytest
 from support.adversary import KINDS, disturbed_session
+from support.fault_runs import run_seed
 
 import armodal.daq
+from armodal.protocols.session.compare import first_difference
+from armodal.protocols.session.journal import decode_journal
 
 SMALL = len(KINDS)
 
@@ -33,3 +38,25 @@ def test_no_clock_of_the_wall_decides_anything():
         'acquisition.py: created=datetime.now(UTC).isoformat(timespec="seconds"),',
         'holder.py: since=datetime.now(UTC).isoformat(timespec="seconds"),',
     ]
+
+
+def test_a_session_is_the_same_whatever_the_clock_on_the_wall_does(monkeypatch):
+    """Set back and forth at every look at it, or stopped as in a leap second."""
+    quiet = run_seed(0, script=((), ()))
+    for steps_s in ((0.0,), (-86400.0, 86400.0 * 3650.0), (-1.0, 0.0)):
+        looks = count()
+
+        class Jumping(datetime):
+            @classmethod
+            def now(cls, tz=None):
+                by_s = steps_s[next(looks) % len(steps_s)]  # noqa: B023 - of this turn
+                return datetime(2026, 12, 31, 23, 59, 59, tzinfo=tz) + timedelta(seconds=by_s)
+
+        monkeypatch.setattr("armodal.daq.acquisition.datetime", Jumping)
+        monkeypatch.setattr("armodal.daq.holder.datetime", Jumping)
+        jumped = run_seed(0, script=((), ()))
+        assert next(looks) > 0  # it was looked at
+        assert jumped.violations == quiet.violations == []
+        ours, theirs = (decode_journal(one.journal) for one in (quiet, jumped))
+        assert first_difference(ours.hits, theirs.hits, "hits") is None
+        assert (ours.marks, ours.losses) == (theirs.marks, theirs.losses)

@@ -95,6 +95,27 @@ def test_a_second_rescue_leaves_the_first(header, path):
     assert found == [["first"], ["second"]]
 
 
+def test_a_rescue_never_follows_a_link_that_somebody_laid(header, path, tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("precious")
+    path.with_name("a.journal.rescue-1").symlink_to(precious)
+    path.with_name("a.journal.rescue-2").symlink_to(tmp_path / "not there")
+    writer = JournalWriter.create(path, header)
+    writer.append(mark("kept"))
+    removed(path)
+    before = os.umask(0)
+    try:
+        with pytest.raises(JournalError, match="rescue-3"):
+            writer.append(mark("too late"))
+    finally:
+        os.umask(before)
+    rescued = path.with_name("a.journal.rescue-3")
+    assert notes(rescued) == ["kept"]
+    assert rescued.stat().st_mode & 0o077 == 0
+    assert precious.read_text() == "precious"
+    assert not (tmp_path / "not there").exists()
+
+
 @pytest.mark.parametrize("link", [os.symlink, os.link])
 def test_another_name_of_a_journal_in_use_is_in_use(header, path, link):
     writer = JournalWriter.create(path, header)

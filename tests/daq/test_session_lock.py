@@ -193,6 +193,39 @@ def test_a_lock_folder_that_is_open_to_others_is_refused(runtime):
         lock_port("/dev/any")
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives a folder to somebody else")
+def test_a_lock_folder_of_somebody_else_is_refused(runtime):
+    (runtime / "armodal").mkdir(mode=0o700)
+    os.chown(runtime / "armodal", 65534, -1)
+    with pytest.raises(PortError, match="of this user alone"):
+        lock_port("/dev/any")
+    assert list((runtime / "armodal").iterdir()) == []
+
+
+def test_a_lock_folder_that_is_a_link_is_refused(runtime, tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir(mode=0o700)
+    (runtime / "armodal").symlink_to(elsewhere, target_is_directory=True)
+    with pytest.raises(PortError, match="of this user alone"):
+        lock_port("/dev/any")
+    assert list(elsewhere.iterdir()) == []
+
+
+def test_without_a_runtime_folder_the_same_holds_of_that_for_temporary_files(tmp_path, monkeypatch):
+    monkeypatch.delenv("XDG_RUNTIME_DIR")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    before = os.umask(0)
+    try:
+        made = lock_folder()
+    finally:
+        os.umask(before)
+    assert made.parent == tmp_path
+    assert stat.S_IMODE(made.stat().st_mode) == 0o700
+    made.chmod(0o770)
+    with pytest.raises(PortError, match="of this user alone"):
+        lock_folder()
+
+
 def test_a_lock_is_never_followed_to_another_file(journal, tmp_path):
     precious = tmp_path / "precious"
     precious.write_text("precious")

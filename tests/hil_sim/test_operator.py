@@ -1,5 +1,6 @@
 import contextlib
 import json
+import os
 import socket
 import stat
 from functools import partial
@@ -292,6 +293,33 @@ def test_a_file_where_the_socket_should_be_is_left_alone(tmp_path, bench):
     with pytest.raises(PlantError, match="cannot listen"):
         OperatorSocket(path, lambda request: iter(()), clock=bench.clock)
     assert path.read_text() == "precious"
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_link_where_the_socket_should_be_is_not_followed(there, tmp_path, bench):
+    elsewhere = tmp_path / "elsewhere.sock"
+    if there:
+        elsewhere.write_text("precious")
+    path = tmp_path / "operator.sock"
+    path.symlink_to(elsewhere)
+    with pytest.raises(PlantError, match="cannot listen"):
+        OperatorSocket(path, lambda request: None, clock=bench.clock)
+    assert path.is_symlink()
+    assert elsewhere.exists() == there
+
+
+def test_the_socket_is_its_owners_alone_whatever_the_umask(tmp_path, bench):
+    path = tmp_path / "operator.sock"
+    before = os.umask(0)
+    try:
+        made = OperatorSocket(path, lambda request: iter(()), clock=bench.clock)
+        assert os.umask(0) == 0  # as it was
+    finally:
+        os.umask(before)
+    try:
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    finally:
+        made.close()
 
 
 def test_the_ledger_is_readable_by_its_user_only(tmp_path):

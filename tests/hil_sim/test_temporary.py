@@ -41,6 +41,10 @@ def test_what_a_killed_process_left_is_removed_and_nothing_else(tmp_path, monkey
 
 def test_a_new_folder_tells_its_process_and_is_for_nobody_else(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    made = new_lab_folder()
+    before = os.umask(0)
+    try:
+        made = new_lab_folder()
+    finally:
+        os.umask(before)
     assert made.name.startswith(f"armodal-lab-{os.getpid()}-")
     assert made.stat().st_mode & 0o077 == 0

@@ -208,10 +208,15 @@ def a_face_of_many_corners() -> bytes:
 @bomb(("mesh",), ".dae")
 def nodes_of_nodes() -> bytes:
     """A tetrahedron ten times in a node, and that ten times in another, and so on."""
-    nodes = [b'<node id="m0"><instance_geometry url="#g"/></node>']
-    nodes += [
+    return collada(nodes=9)
+
+
+def collada(nodes: int) -> bytes:
+    """A tetrahedron in a node, and each of the others ten times the one before."""
+    inner = [b'<node id="m0"><instance_geometry url="#g"/></node>']
+    inner += [
         b'<node id="m%d">' % i + b'<instance_node url="#m%d"/>' % (i - 1) * 10 + b"</node>"
-        for i in range(1, 9)
+        for i in range(1, nodes)
     ]
     axes = b"".join(b'<param name="%c" type="float"/>' % axis for axis in b"XYZ")
     return (
@@ -222,8 +227,9 @@ def nodes_of_nodes() -> bytes:
         b'</accessor></technique_common></source><vertices id="v"><input semantic="POSITION" '
         b'source="#s"/></vertices><triangles count="4"><input semantic="VERTEX" source="#v" '
         b'offset="0"/><p>0 1 2 0 2 3 0 3 1 1 3 2</p></triangles></mesh></geometry>'
-        b"</library_geometries><library_nodes>" + b"".join(nodes) +
+        b"</library_geometries><library_nodes>" + b"".join(inner) +
         b'</library_nodes><library_visual_scenes><visual_scene id="VS"><node id="n">'
-        b'<instance_node url="#m8"/></node></visual_scene></library_visual_scenes><scene>'
+        b'<instance_node url="#m%d"/>' % (nodes - 1) + b"</node></visual_scene>"
+        b"</library_visual_scenes><scene>"
         b'<instance_visual_scene url="#VS"/></scene></COLLADA>'
     )  # fmt: skip

@@ -3,6 +3,8 @@
 A decoder takes any bytes. It may raise an ArmodalError; anything else is a fault.
 """
 
+import resource
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import resources
@@ -37,6 +39,8 @@ from armodal.protocols.inertia_targets import load_inertia_targets
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.session.hdf5 import write_session
 from armodal.protocols.session.records import Session
+
+MOST_KB = 200_000  # of a small file: `armodal.protocols.bounds`
 
 Mutate = Callable[[bytes, np.random.Generator, tuple[bytes, ...]], bytes]
 
@@ -159,7 +163,7 @@ def make_decoders(folder, journal, session: Session, frfs, uff_files):
                 FileDecoder(folder, f"f.{name}", lambda p: read_content(p, told)),
                 change,
             )
-            for name, change in (("lvm", text), ("txt", text), ("wav", plain), ("nc4", plain))
+            for name, change in (("lvm", text), ("txt", text), ("wav", plain), ("nc4", mutate_hdf5))
         ),
         Decoder(
             "hdf5",
@@ -176,11 +180,24 @@ def make_decoders(folder, journal, session: Session, frfs, uff_files):
 
 
 def check(decoder: Decoder, data: bytes) -> str | None:
-    """Return what is wrong with how a decoder takes these bytes, None where nothing is."""
+    """Return what is wrong with how a decoder takes these bytes, None where nothing is.
+
+    Memory is held to what a small file may take, where the system tells.
+    """
+    before_kb = _most_kb()
     try:
         decoder.decode(data)
     except ArmodalError as error:
-        return None if str(error) else f"{type(error).__name__} without a message"
+        if not str(error):
+            return f"{type(error).__name__} without a message"
     except Exception as error:  # noqa: BLE001 - any other error is the finding
         return f"{type(error).__name__}: {error}"
-    return None
+    took_kb = _most_kb() - before_kb
+    return f"took {took_kb // 1000} MB" if took_kb > MOST_KB else None
+
+
+def _most_kb() -> int:
+    """Return the most memory that this process had at once; 0 where that is not told so."""
+    if sys.platform != "linux":
+        return 0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -104,14 +104,14 @@ class Outcome:
     journal: bytes = b""
 
 
-def run_seed(seed, *, script=None, plan=None):
+def run_seed(seed, *, script=None, plan=None, make_lab=VirtualLab):
     """Run a small session under the faults of a seed, resumed where it fails, and check it."""
     arm = shipped_arm()
     plan = plan or plan_from_text(PLAN, arm)
     faults, at_blows = script_of(seed) if script is None else script
     outcome = Outcome(seed=seed, faults=faults + at_blows)
     with tempfile.TemporaryDirectory() as folder:
-        lab = VirtualLab(plan, Path(folder), seed=seed, faults=faults, at_blows=at_blows)
+        lab = make_lab(plan, Path(folder), seed=seed, faults=faults, at_blows=at_blows)
         settings = AcquisitionSettings(
             board_port="board",
             can_channel="can",

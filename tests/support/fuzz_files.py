@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import scipy.io
+from support.bombs_of_hdf5 import lengths_told
 from support.mutate import mutated, mutated_text
 
 from armodal.protocols.foreign.manifest import load_manifest
@@ -63,10 +64,15 @@ def read_all_of(path):
 
 
 def mutate_hdf5(data, rng, others):
-    """Change what tells of the data rather than the data: headers, heaps, trees."""
+    """Change what tells of the data rather than the data: headers, heaps, trees, lengths."""
     if rng.random() < 0.3:
         return mutated(data, rng, others=others)
     changed = bytearray(data)
+    lengths = lengths_told(data)
+    if lengths and rng.random() < 0.2:
+        at = lengths[rng.integers(len(lengths))]
+        changed[at : at + 4] = int(rng.integers(2**32)).to_bytes(4, "little")
+        return bytes(changed)
     signs = [b"TREE", b"SNOD", b"HEAP", b"OHDR", b"FRHP", b"\x89HDF", b"GCOL", b"OCHK", b"BTHD"]
     sign = signs[rng.integers(len(signs))]
     places = [i for i in range(0, len(changed), 8) if changed[i : i + 4] == sign] or [0]

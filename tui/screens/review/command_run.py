@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from armodal.protocols.errors import EstimateError
+from armodal.protocols.memory_bound import nothing_bounded
 
 __all__ = ["ARMODAL", "CommandRun"]
 
@@ -45,14 +46,15 @@ class CommandRun:
         EstimateError
             If the command fails, says something else than one object, or was stopped.
         """
-        self._process = await asyncio.create_subprocess_exec(
-            *self.command,
-            *self.arguments,
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE,
-            limit=_LINE_LIMIT,
-        )
+        with nothing_bounded():
+            self._process = await asyncio.create_subprocess_exec(
+                *self.command,
+                *self.arguments,
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.PIPE,
+                limit=_LINE_LIMIT,
+            )
         process = self._process
         last: list[str] = []
         try:
