@@ -1,7 +1,9 @@
 """What a search for rivals does with a fit that it is given."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
 
@@ -74,3 +76,43 @@ def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
     assert min(sizes) < soft.std
     assert max(sizes) >= 2.0 * soft.std  # a normal prior is rarely beyond
     assert all("pull" not in values for values in tried["pull"])  # signed: its slope tells
+
+
+def on_the_way(hypothesis, to, cost, slope):
+    """A fit that some steps brought to a cost, on the way to one of two minima."""
+    space = Space([Parameter(name="angle", unit="rad", mean=0.0, std=1.0)])
+    made = made_fit(hypothesis, cost=cost, space=space, u=[to])
+    return replace(made, slope=np.array([slope]), converged=slope == 0.0)
+
+
+@pytest.mark.parametrize("separate", [True, False])
+def test_of_several_minima_the_one_that_is_ahead_after_some_steps_may_be_the_worse(
+    separate, monkeypatch
+):
+    """Minimum 1 is reached at once, 2 only by steps more: its quadratic still promises 18 nats."""
+    words = replace(hit_direction.WORDS, separate_minima=separate)
+    swings = Instance(
+        effect=words,
+        place="q",
+        parameters=(Parameter(name="angle", unit="rad", mean=0.0, std=1.0),),
+        size="angle",
+    )
+    looked = [Candidate(instance=swings, gain=100.0, begin={"angle": to}) for to in (1.0, 2.0)]
+
+    def fitted(_stage, hypothesis, *, start=None, resumed=None, **_):
+        if hypothesis is NAMED:
+            return fit(100.0)
+        if resumed is not None:
+            return on_the_way(hypothesis, to=2.0, cost=20.0, slope=0.0)
+        first = start["angle"] < 0.15  # the last beginning: a tenth of the way
+        return on_the_way(
+            hypothesis, start["angle"], 50.0 if first else 60.0, 0.0 if first else 6.0
+        )
+
+    monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
+    monkeypatch.setattr(rivals, "fit_hypothesis", fitted)
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+    found = find_rivals(STAGES, NAMED, lambda *_: False, start={})
+    assert [one.cost for one in found.rivals] == ([20.0] if separate else [50.0])
