@@ -103,7 +103,8 @@ def test_of_several_minima_the_one_that_is_ahead_after_some_steps_may_be_the_wor
         if hypothesis is NAMED:
             return fit(100.0)
         if resumed is not None:
-            return on_the_way(hypothesis, to=2.0, cost=20.0, slope=0.0)
+            there = on_the_way(hypothesis, to=2.0, cost=20.0, slope=0.0)
+            return resumed if resumed.converged else there
         first = start["angle"] < 0.15  # the last beginning: a tenth of the way
         return on_the_way(
             hypothesis, start["angle"], 50.0 if first else 60.0, 0.0 if first else 6.0
