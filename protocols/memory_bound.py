@@ -24,6 +24,8 @@ _ONE_AT_A_TIME = threading.RLock()  # a limit put back by one thread would be an
 
 def address_space_bytes() -> int | None:
     """Return how much address space this process has; None where the system does not tell."""
+    if resource is None:
+        return None
     try:
         file = os.open("/proc/self/statm", os.O_RDONLY)
     except OSError:
@@ -32,7 +34,7 @@ def address_space_bytes() -> int | None:
         pages = int(os.read(file, 32).split()[0])
     finally:
         os.close(file)
-    return pages * os.sysconf("SC_PAGE_SIZE")
+    return pages * resource.getpagesize()
 
 
 @contextmanager
@@ -45,7 +47,7 @@ def at_most_more(most_bytes: int) -> Iterator[None]:
     """
     with _ONE_AT_A_TIME:
         held = address_space_bytes()
-        if held is None or resource is None:
+        if held is None:
             yield
             return
         soft, hard = resource.getrlimit(resource.RLIMIT_AS)
