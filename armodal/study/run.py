@@ -191,9 +191,11 @@ def _fitted_from_truth(
 def _sizes(truth: Line, effects: Iterable[Any], believed: dict[str, float]) -> list[Line]:
     rows = []
     for true in truth["effects"]:
-        value = size_of_truth(true, believed)
         ours = next((e for e in effects if e.name == true["name"] and e.size), None)
-        if value is None or ours is None:
+        if ours is None:
+            continue
+        value = size_of_truth(true, believed, ours.description)
+        if value is None:
             continue
         found, low, high = size_found(ours)
         value += ordinary_beside(true, truth)

@@ -139,14 +139,22 @@ def instance_of_truth(ordinary: Ordinary, effect: Mapping[str, Any]) -> Instance
     return found[0] if len(found) == 1 or (found and not found[0].place) else None
 
 
-def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> float | None:
+def size_of_truth(
+    effect: Mapping[str, Any],
+    stiffness: Mapping[str, float],
+    told: Mapping[str, object] | None = None,
+) -> float | None:
     """The true value of what an effect's size parameter measures; None where they differ in kind.
 
     Parameters
     ----------
+    effect
+        The true one.
     stiffness
         Believed stiffness of each joint: a coupling is counted in their geometric mean, a
         compensator in its joint's.
+    told
+        How the effect found describes itself: a base's size is about a level line of its own.
     """
     p, place = effect["parameters"], effect["place"]
 
@@ -155,14 +163,21 @@ def size_of_truth(effect: Mapping[str, Any], stiffness: Mapping[str, float]) -> 
         return float(p["cross_stiffness_n_m_per_rad"]) / mean
 
     def compensator() -> float:
-        about_joint = p["stiffness_n_per_m"] * float(np.sum(np.square(p["eye_m"])))
-        return float(about_joint) / stiffness[place]
+        # Where it stands square to the shorter of its levers: at home the eye's.
+        lever_m = p.get("shorter_lever_m", np.linalg.norm(p["eye_m"]))
+        return float(p["stiffness_n_per_m"] * lever_m**2) / stiffness[place]
+
+    def base() -> float:
+        cross = p.get("rock_xy_n_m_per_rad", 0.0)
+        rocking = np.array([[p["rock_x_n_m_per_rad"], cross], [cross, p["rock_y_n_m_per_rad"]]])
+        line = np.asarray((told or {}).get("rock_x_about", (1.0, 0.0)), dtype=np.float64)[:2]
+        return float(line @ np.linalg.solve(rocking, line))
 
     sizes: dict[str, Callable[[], float]] = {
         "released_joint": lambda: 1.0 / p["stiffness_n_m_per_rad"],
         "bearing": lambda: p["compliance_rad_per_n_m"],
         "link_axis": lambda: p["compliance_rad_per_n_m"],
-        "base": lambda: 1.0 / p["rock_x_n_m_per_rad"],
+        "base": base,
         "coupling": coupling,
         "servo": lambda: 1.0 / p["servo_stiffness_n_m_per_rad"],
         "channel_gain": lambda: np.log(p["factor"]),

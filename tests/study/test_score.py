@@ -1,5 +1,6 @@
 """Verdicts marked against their truth, and rates with their intervals."""
 
+import numpy as np
 import pytest
 from support.gap_results import made_result
 
@@ -63,3 +64,29 @@ def test_a_coupling_is_counted_in_the_believed_mean():
         "parameters": {"cross_stiffness_n_m_per_rad": -60.0},
     }
     assert size_of_truth(effect, {"a": 100.0, "b": 400.0}) == pytest.approx(-0.3)
+
+
+def test_a_base_is_as_soft_as_it_is_about_the_line_that_was_found():
+    """A footing of 1 and 4 N m/rad whose soft line goes 30 degrees from x, and one square to x."""
+    turn = np.deg2rad(30.0)
+    soft = np.array([np.cos(turn), np.sin(turn)])
+    K = np.outer(soft, soft) + 4.0 * (np.eye(2) - np.outer(soft, soft))
+    askew = {
+        "name": "base",
+        "place": "base",
+        "parameters": {
+            "rock_x_n_m_per_rad": K[0, 0],
+            "rock_y_n_m_per_rad": K[1, 1],
+            "rock_xy_n_m_per_rad": K[0, 1],
+        },
+    }
+    found = {"rock_x_about": [*soft, 0.0]}
+    assert size_of_truth(askew, {}, found) == pytest.approx(1.0)
+    square = {"rock_x_n_m_per_rad": 4.0, "rock_y_n_m_per_rad": 1.0}
+    assert size_of_truth(askew | {"parameters": square}, {}) == pytest.approx(0.25)
+
+
+def test_a_compensator_is_as_stiff_as_where_it_is_square_to_its_shorter_lever():
+    told = {"stiffness_n_per_m": 1e5, "eye_m": [0.3, 0.0, 0.1], "shorter_lever_m": 0.2}
+    effect = {"name": "gravity_compensator", "place": "a", "parameters": told}
+    assert size_of_truth(effect, {"a": 1e4}) == pytest.approx(0.4)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from armodal.hil_sim.makers.arm_table import rotation
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.standing import Standing, middle_of
@@ -24,6 +25,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     eye = middle_of(row, float(kit.rng.uniform(*EYE)))
     lever = float(np.linalg.norm(eye))
     anchor = np.array(row.xyz_m) + lever * kit.rng.uniform(0.6, 1.1) * kit.anywhere()
+    levers = eye, rotation(row.rpy_rad).T @ (anchor - np.array(row.xyz_m))
     stiffness = size * kit.parts.drives[place].stiffness / lever**2
     strain = float(kit.rng.uniform(*FORCE))
 
@@ -44,5 +46,6 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         "stiffness_n_per_m": stiffness,
         "anchor_m": anchor.tolist(),
         "eye_m": np.asarray(eye).tolist(),
+        "shorter_lever_m": min(float(np.hypot(x, y)) for x, y, _ in levers),
         "pull_over_stiffness_times_length": strain,
     }

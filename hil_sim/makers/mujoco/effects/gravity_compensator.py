@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from armodal.hil_sim.makers.arm_table import rotation
 from armodal.hil_sim.makers.mujoco.machine import Spring
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
@@ -23,6 +24,7 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
     eye, _ = along(row.shell, float(rig.rng.uniform(*EYE)))
     reach = float(np.linalg.norm(eye))
     anchor = np.array(row.xyz_m) + 1.2 * reach * rig.direction()
+    levers = eye, rotation(row.rpy_rad).T @ (anchor - np.array(row.xyz_m))
     stiffness = size * rig.drive(place).stiffness / reach**2
     rig.machine.springs.append(
         Spring(
@@ -36,4 +38,5 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
         "stiffness_n_per_m": stiffness,
         "anchor_m": anchor.tolist(),
         "eye_m": eye.tolist(),
+        "shorter_lever_m": min(float(np.hypot(x, y)) for x, y, _ in levers),
     }
