@@ -11,9 +11,10 @@ HDF5 File Format Specification, version 3.0, III.E "Disk Format: Level 1E - Glob
 
 from __future__ import annotations
 
-import mmap
 import struct
 from pathlib import Path
+
+from armodal.protocols.hdf5_bytes import FileBytes, mapped
 
 __all__ = ["has_endless_heap"]
 
@@ -31,19 +32,16 @@ def has_endless_heap(path: Path) -> bool:
     OSError
         If the file cannot be read.
     """
-    with path.open("rb") as file:
-        if not path.stat().st_size:
-            return False
-        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-            at = data.find(_SIGN)
-            while at >= 0:
-                if _is_endless(data, at):
-                    return True
-                at = data.find(_SIGN, at + 1)
+    with mapped(path) as data:
+        at = data.find(_SIGN)
+        while at >= 0:
+            if _is_endless(data, at):
+                return True
+            at = data.find(_SIGN, at + 1)
     return False
 
 
-def _is_endless(data: mmap.mmap, begin: int) -> bool:
+def _is_endless(data: FileBytes, begin: int) -> bool:
     if begin + _HEAD.size > len(data):
         return False
     (size,) = _HEAD.unpack_from(data, begin)

@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from armodal.protocols.hdf5_bytes import mapped, superblock_at
+
 __all__ = ["names_a_driver"]
 
-_SIGN = b"\x89HDF\r\n\x1a\n"
-_FIRST, _NEXT = 512, 2  # places of a superblock: 0, 512, and twice the one before
 _ADDRESSES_AT = {0: 24, 1: 28}  # by version; later ones have no address of a driver's block
 _VERSION_AT, _SIZE_AT = 8, 13  # the latter is of an address, bytes
 _DRIVER = 3  # addresses stand before the driver's
+_LONGEST = _ADDRESSES_AT[1] + 256 * (_DRIVER + 1)  # up to the driver's end, whatever their size
 
 
 def names_a_driver(path: Path) -> bool:
@@ -31,16 +32,9 @@ def names_a_driver(path: Path) -> bool:
     OSError
         If the file cannot be read.
     """
-    size = path.stat().st_size
-    with path.open("rb") as file:
-        at = 0
-        while at < size:
-            file.seek(at)
-            head = file.read(_ADDRESSES_AT[1] + 256 * (_DRIVER + 1))
-            if head.startswith(_SIGN):
-                return _has_address(head)
-            at = at * _NEXT or _FIRST
-    return False
+    with mapped(path) as data:
+        at = superblock_at(data)
+        return at is not None and _has_address(data[at : at + _LONGEST])
 
 
 def _has_address(head: bytes) -> bool:

@@ -12,20 +12,19 @@ Message", version 4: version, class 3 (virtual), address of a heap (8 bytes), in
 
 from __future__ import annotations
 
-import mmap
 import re
 import struct
 from pathlib import Path
 
+from armodal.protocols.hdf5_bytes import FileBytes, mapped, superblock_at
+
 __all__ = ["has_virtual_dataset"]
 
-_SIGN = b"\x89HDF\r\n\x1a\n"
 _HEAP = b"GCOL\x01"
 # No file is of 2^48 bytes. Versions 4 and 5 of the message.
 _LAYOUTS = tuple(
     re.compile(version + rb"\x03(?=.{6}\x00\x00)", re.DOTALL) for version in (b"\x04", b"\x05")
 )
-_BEGIN, _NEXT = 512, 2  # places of the superblock: 0, 512, and twice the one before
 
 
 def has_virtual_dataset(path: Path) -> bool:
@@ -36,30 +35,17 @@ def has_virtual_dataset(path: Path) -> bool:
     OSError
         If the file cannot be read.
     """
-    with path.open("rb") as file:
-        if not path.stat().st_size:
+    with mapped(path) as data:
+        if data.find(_HEAP) < 0:
             return False
-        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
-            if data.find(_HEAP) < 0:
-                return False
-            base = _superblock_at(data)
-            return any(
-                _is_heap(data, base, layout.end())
-                for of_version in _LAYOUTS
-                for layout in of_version.finditer(data)
-            )
+        base = superblock_at(data) or 0
+        return any(
+            _is_heap(data, base, layout.end())
+            for of_version in _LAYOUTS
+            for layout in of_version.finditer(data)
+        )
 
 
-def _superblock_at(data: mmap.mmap) -> int:
-    """Addresses count from there."""
-    at = 0
-    while at < len(data):
-        if data[at : at + len(_SIGN)] == _SIGN:
-            return at
-        at = at * _NEXT or _BEGIN
-    return 0
-
-
-def _is_heap(data: mmap.mmap, base: int, place: int) -> bool:
+def _is_heap(data: FileBytes, base: int, place: int) -> bool:
     (address,) = struct.unpack_from("<Q", data, place)
     return data[base + address : base + address + len(_HEAP)] == _HEAP
