@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from armodal.study.tables import StudyTable
 
-__all__ = ["study_page"]
+__all__ = ["as_markdown", "study_page"]
 
 
 def study_page(tables: Sequence[StudyTable], command: str, commit: str = "") -> str:
@@ -23,10 +23,11 @@ def study_page(tables: Sequence[StudyTable], command: str, commit: str = "") -> 
     if commit:
         parts.append(f"at commit {commit}, which gave the seed.")
     for table in tables:
-        parts += [f"## {table.title}", *([table.note] if table.note else []), _markdown(table)]
+        parts += [f"## {table.title}", *([table.note] if table.note else []), as_markdown(table)]
     return "\n\n".join(parts) + "\n"
 
 
-def _markdown(table: StudyTable) -> str:
+def as_markdown(table: StudyTable) -> str:
+    """Return a table as lines of Markdown."""
     lines = [table.head, ("---",) * len(table.head), *table.rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)

@@ -11,6 +11,7 @@ import numpy as np
 from armodal.analyzer.gap.next_test.advice import NARROWS
 from armodal.hil_sim.study.catalogue import MAGNITUDES
 from armodal.study.kept_lines import Line
+from armodal.study.reliability import reliability
 from armodal.study.score import OUTCOMES, rate
 
 __all__ = ["study_summary"]
@@ -60,6 +61,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "held_out_over_true_model_worst": max(held, default=float("nan")),
         "gap": _gaps([x for x in (*single, *pairs) if x["outcome"] == "right"]),
         "detection": _detection(nulls, groups),
+        "reliability": [asdict(own) for own in reliability(judged)],
         "ambiguous_holds_truth": _ambiguous_sets(judged),
         "cpu_s_median": _median([x["cpu_s"] for x in judged]),
         "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),

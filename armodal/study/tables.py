@@ -11,7 +11,7 @@ from armodal.study.kept_lines import Line
 from armodal.study.pace import REFERENCE_S
 from armodal.study.score import OUTCOMES
 
-__all__ = ["StudyTable", "study_tables"]
+__all__ = ["StudyTable", "confidence_table", "study_tables"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +25,7 @@ class StudyTable:
 
 
 def study_tables(summary: Line, curves: Sequence[Line] = ()) -> list[StudyTable]:
-    """Return the tables: verdicts, confusion, detection, figures, further tests, curves.
+    """Return the tables: verdicts, confusion, detection, confidence, figures, tests, curves.
 
     Parameters
     ----------
@@ -61,6 +61,7 @@ def study_tables(summary: Line, curves: Sequence[Line] = ()) -> list[StudyTable]
             ("size, clear is 1", "n", "something said", "said right"),
             detection,
         ),
+        confidence_table(summary["reliability"]),
         _table("Figures", ("figure", "reached"), _figures(summary)),
     ]
     if summary["tests"]["n"]:
@@ -76,6 +77,21 @@ def study_tables(summary: Line, curves: Sequence[Line] = ()) -> list[StudyTable]
             )
         )
     return tables
+
+
+def confidence_table(bins: Sequence[Line]) -> StudyTable:
+    """Return names by the confidence they were given, bins as records (`reliability`)."""
+    rows = [
+        [
+            f"{100 * own['low']:.1f} to {100 * own['high']:.1f} %",
+            f"{100 * own['stated']:.1f} %",
+            own["right"]["n"],
+            own["right"]["k"],
+            _between(own["right"]),
+        ]
+        for own in bins
+    ]
+    return _table("Stated confidence", ("stated", "mean", "names", "right", "95 %"), rows)
 
 
 def _table(
