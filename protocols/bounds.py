@@ -7,9 +7,16 @@ before it is made. Bounds of one format alone stand beside its decoder.
 
 from __future__ import annotations
 
-__all__ = ["MOST_KEY_PARTS", "MOST_NUMBERS", "MOST_TABLE_DEPTH", "most_decoded_bytes"]
+__all__ = [
+    "MOST_KEY_PARTS",
+    "MOST_NUMBERS",
+    "MOST_TABLE_DEPTH",
+    "MOST_TEXT_NUMBERS",
+    "most_decoded_bytes",
+]
 
 MOST_NUMBERS = 2**26  # of a file, or of what is compressed in it
+MOST_TEXT_NUMBERS = 2**25  # of a table of text, where each is parsed: some six million a second
 MOST_TABLE_DEPTH = 32  # tables and arrays of TOML within one another
 MOST_KEY_PARTS = 1000  # of TOML keys on one line, however they are quoted: n parts take n^2
 

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
+from functools import partial
 from typing import Any, TextIO
 
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.bounds import MOST_TEXT_NUMBERS
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.even import is_counter, is_even
 from armodal.protocols.foreign.text_dialect import (
@@ -34,6 +36,7 @@ _MOST_SECTIONS = 1000
 _MOST_COLUMNS = 4096
 _LONGEST_LINE = 2**20
 _MOST_LISTED_WORDS = 60
+_OF_NUMBERS = frozenset("+-.0123456789")  # what begins with one is no word
 
 
 class _Rows:
@@ -44,15 +47,21 @@ class _Rows:
         self._origin = origin
         self._kept: list[str] = []
 
+    def __iter__(self) -> Iterator[str]:
+        """Yield the lines that are left."""
+        while self._kept:
+            yield self._kept.pop()
+        for line in iter(partial(self._stream.readline, _LONGEST_LINE), ""):
+            if len(line) >= _LONGEST_LINE:
+                raise ForeignFileError(
+                    f"{self._origin}: wanted lines of text, got one of a million characters: the "
+                    "file is no table; export it as text"
+                )
+            yield line
+
     def take(self) -> str:
         """Return the next line, empty at the end."""
-        line = self._kept.pop() if self._kept else self._stream.readline(_LONGEST_LINE)
-        if len(line) >= _LONGEST_LINE:
-            raise ForeignFileError(
-                f"{self._origin}: wanted lines of text, got one of a million characters: the file "
-                "is no table; export it as text"
-            )
-        return line
+        return next(iter(self), "")
 
     def give_back(self, lines: list[str]) -> None:
         """Put lines before what is left."""
@@ -76,6 +85,7 @@ def text_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
 
 def _sections(data: bytes, encoding: str, origin: str) -> Iterator[Variables]:
     rows = _Rows(io.TextIOWrapper(io.BytesIO(data), encoding=encoding), origin)
+    n_lines = data.count(b"\n")
     count = 0
     while True:
         head = _head(rows)
@@ -91,7 +101,8 @@ def _sections(data: bytes, encoding: str, origin: str) -> Iterator[Variables]:
             raise ForeignFileError(
                 f"{origin}: wanted at most {_MOST_SECTIONS} tables, got more; split the file"
             )
-        yield _section(rows, head[:at], dialect, origin if count == 1 else f"{origin}: {count}")
+        where = origin if count == 1 else f"{origin}: {count}"
+        yield _section(rows, head[:at], dialect, n_lines, where)
 
 
 def _head(rows: _Rows) -> list[str]:
@@ -104,7 +115,9 @@ def _head(rows: _Rows) -> list[str]:
     return lines
 
 
-def _section(rows: _Rows, head: list[str], dialect: Dialect, origin: str) -> Variables:
+def _section(
+    rows: _Rows, head: list[str], dialect: Dialect, n_lines: int, origin: str
+) -> Variables:
     first = rows.take()
     rows.give_back([first])
     row = cells(first, dialect)
@@ -112,6 +125,11 @@ def _section(rows: _Rows, head: list[str], dialect: Dialect, origin: str) -> Var
     if len(columns) > _MOST_COLUMNS:
         raise ForeignFileError(
             f"{origin}: wanted at most {_MOST_COLUMNS} columns, got {len(columns)}; export fewer"
+        )
+    if n_lines * len(columns) > MOST_TEXT_NUMBERS:
+        raise ForeignFileError(
+            f"{origin}: wanted at most {MOST_TEXT_NUMBERS:,} numbers in a text, got some "
+            f"{n_lines * len(columns):,}; split the file, or export MAT, WAV or HDF5"
         )
     for i, line in enumerate(head):
         if (
@@ -129,7 +147,10 @@ def _section(rows: _Rows, head: list[str], dialect: Dialect, origin: str) -> Var
 
 def _until_words(rows: _Rows) -> Iterator[str]:
     """Yield lines until one of words; blank ones are passed over."""
-    while line := rows.take():
+    for line in rows:
+        if line[0] in _OF_NUMBERS:
+            yield line
+            continue
         text = line.lstrip("\"' \t")
         if text[:3].isalpha() and text[:3].lower() not in {"nan", "inf"}:
             rows.give_back([line])

@@ -9,6 +9,7 @@ from support.manifests import RATE, hit_signals
 from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.content import read_content
 from armodal.protocols.foreign.measured import Hints, NotToldError, parse_dof
+from armodal.protocols.foreign.text_table import text_variables
 from armodal.protocols.frf_records import FrfForm
 
 FREQ = 0.25 * np.arange(1, 401)
@@ -377,3 +378,11 @@ def test_a_table_cut_within_a_row_is_refused_with_that_row_and_no_library_s_advi
     with pytest.raises(ForeignFileError, match=r"changed from 3 to 2 at row 51\); trunc") as caught:
         read(tmp_path, cut)
     assert "usecols" not in str(caught.value)
+
+
+def test_more_numbers_than_are_read_in_time_are_refused_before_they_are_read(monkeypatch):
+    monkeypatch.setattr("armodal.protocols.foreign.text_table.MOST_TEXT_NUMBERS", 11)
+    rows = b"0.1,1.5,2\n0.2,1.5,2\n0.3,1.5,2\n"
+    assert len(text_variables(rows, "a.csv")) == 1
+    with pytest.raises(ForeignFileError, match="wanted at most 11 numbers in a text, got some 12"):
+        text_variables(rows + b"0.4,1.5,2\n", "a.csv")
