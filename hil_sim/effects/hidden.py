@@ -31,9 +31,11 @@ class Hidden:
         return told if self.size is None else told | {"size": self.size}
 
 
-def hidden(name: str, place: Any, table: dict[str, Any], **parameters: Any) -> Hidden:
+def hidden(
+    name: str, place: Any, table: dict[str, Any], *, size: float | None = None, **parameters: Any
+) -> Hidden:
     """One effect of one table."""
-    return Hidden(tables=[table], name=name, place=place, parameters=parameters)
+    return Hidden(tables=[table], name=name, place=place, parameters=parameters, size=size)
 
 
 def about(rng: np.random.Generator) -> float:
