@@ -24,6 +24,7 @@ _PIECES = re.compile(
     r"|\^(?P<above>\([^()]*\)|\{[^{}]*\}|[0-9]+(?:\.[0-9]+)?|[½¼¾]|\w+)"
 )
 _AS_IT_IS = (nodes.literal, nodes.math, nodes.FixedTextElement, nodes.raw)
+_SHORT = 22  # characters of a word of code that is never broken, as at the hyphens of an option
 _WIDE = 40  # characters of a cell that is read as a sentence
 
 
@@ -64,6 +65,9 @@ class Typography(SphinxPostTransform):
             pieces = list(_pieces(_SPACE.sub("\u00a0", text.astext())))
             if len(pieces) > 1 or pieces[0].astext() != text.astext():
                 text.parent.replace(text, pieces)
+        for literal in self.document.findall(nodes.literal):
+            if max(map(len, literal.astext().split()), default=0) <= _SHORT:
+                literal["classes"].append("short")
         for entry in self.document.findall(nodes.entry):
             if len(entry.astext()) > _WIDE:
                 entry["classes"].append("wide")
