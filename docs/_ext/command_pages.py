@@ -45,7 +45,7 @@ def _help(text: str) -> list[str]:
     """A help without its examples, and these as commands to copy."""
     said = _words(_EXAMPLE.sub("", text).strip())
     examples = _EXAMPLE.findall(text)
-    return [said, "", "```", *examples, "```", ""] if examples else [said, ""]
+    return [said, "", "```text", *examples, "```", ""] if examples else [said, ""]
 
 
 def _page(title: str, command: Any, level: int = 1) -> str:
