@@ -18,7 +18,7 @@ _UNIT = r"(?:%|[kMGmµ]?Hz|[kMGm]?B|[kM]iB|[mµk]?m|[mµ]?s|N|kg|nats)(?![\w-])"
 _SPACE = re.compile(rf"(?<=\d) (?={_UNIT})|(?<=[±≤≥≈<>]) (?=[\u2212+\d])")
 _PIECES = re.compile(
     r"(?P<whole>\b\d+(?:\.\d+)?e-\d+\b|\b\d{4}-\d\d-\d\d\b)"
-    r"|(?P<of>(?<![A-Za-z_])[A-Za-z\u0391-\u03c9])_"
+    r"|(?P<of>(?<![A-Za-z_])[A-Za-z\u0391-\u03c9]|[\u1d34\u1d40])_"  # H and T raised, too
     r"(?!(?:axis|axes|channels|samples|hits|freq|std)\b|std_)"  # names, not symbols
     r"(?P<below>\([^()]*\)|[0-9a-z]+|[A-Z]{2,}|[A-Z\u0391-\u03c9])(?!_)"
     r"|\^(?P<above>\([^()]*\)|\{[^{}]*\}|[0-9]+(?:\.[0-9]+)?|[½¼¾]|\w+)"
