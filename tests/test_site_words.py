@@ -34,3 +34,9 @@ def test_indices_and_powers_are_set_and_names_stay():
     assert [text for kind, text in pieces if kind == "superscript"] == ["¼", "-at"]
     assert [text for kind, text in pieces if kind == "inline"] == ["2e-6", "2026-11-27"]
     assert pieces[-1] == ("#text", "; link_axis, n_samples, x_axis")
+
+
+def test_no_line_of_a_page_is_a_comment_to_myst():
+    pages = EXTENSIONS.parent.rglob("*.md")
+    lines = [(page.name, line) for page in pages for line in page.read_text("utf-8").split("\n")]
+    assert [found for found in lines if found[1].lstrip().startswith("%")] == []
