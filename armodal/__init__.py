@@ -8,7 +8,7 @@ scripts and notebooks; everything here takes and returns records that do not cha
 >>> [joint.name for joint in arm.joints][:3]
 ['joint_1', 'joint_2', 'joint_3']
 
-A session file, once measured or imported, is read, fitted and explained by
+A session file, once measured or imported, is read, fitted and explained by::
 
     session = armodal.open_session("session.h5")
     frf = armodal.frfs(session)[0]
@@ -19,7 +19,7 @@ A session file, once measured or imported, is read, fitted and explained by
     armodal.predict(session, found, posture_deg=[0, 30, 30, 0, 90, 0])
     armodal.find_gap(session).summary
 
-A plan with postures free of collisions is made, and written, by
+A plan with postures free of collisions is made, and written, by::
 
     Path("plan.toml").write_text(armodal.plan(arm, minutes=120).text)
 

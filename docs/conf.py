@@ -18,6 +18,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "numpydoc",
     "math_as_mathml",
+    "readable",
     "written_reference",
     "widths",
 ]

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import typer
 
 from armodal.tui.cli import app
+
+# An option in the words of a help, and not in its code: what is there already stays as it is.
+_OPTION = re.compile(r"`[^`]*`|(?<![\w-])--?[a-z][a-z-]*")
+_EXAMPLE = re.compile(r"^Example: (.+)$", re.MULTILINE)
 
 
 def command_pages() -> dict[str, str]:
@@ -28,11 +33,23 @@ def command_pages() -> dict[str, str]:
 
 
 def _first_line(command: Any) -> str:
-    return (command.help or "").strip().split("\n")[0]
+    return _words((command.help or "").strip().split("\n")[0])
+
+
+def _words(text: str) -> str:
+    """A help's words, options as code: two hyphens would become a dash."""
+    return _OPTION.sub(lambda found: f"`{found[0].strip('`')}`", text)
+
+
+def _help(text: str) -> list[str]:
+    """A help without its examples, and these as commands to copy."""
+    said = _words(_EXAMPLE.sub("", text).strip())
+    examples = _EXAMPLE.findall(text)
+    return [said, "", "```text", *examples, "```", ""] if examples else [said, ""]
 
 
 def _page(title: str, command: Any, level: int = 1) -> str:
-    text = [f"{'#' * level} {title}", "", (command.help or "").strip(), ""]
+    text = [f"{'#' * level} {title}", "", *_help((command.help or "").strip())]
     rows = [_row(parameter) for parameter in command.params if not getattr(parameter, "hidden", 0)]
     if rows:
         text += ["| option | meaning |", "|---|---|", *rows, ""]
@@ -48,10 +65,14 @@ def _row(parameter: Any) -> str:
         name = ", ".join(parameter.opts)
     if parameter.secondary_opts:
         name += " / " + ", ".join(parameter.secondary_opts)
-    meaning = (getattr(parameter, "help", None) or "").replace("|", "\\|").replace("\n", " ")
+    meaning = _words(getattr(parameter, "help", None) or "").replace("\n", " ")
     default = parameter.default
+    if isinstance(default, bool) and parameter.secondary_opts:
+        default = (parameter.opts if default else parameter.secondary_opts)[0]
+        default = f"`{default}`"
     if parameter.required:
         meaning += " Required."
     elif default not in (None, False, (), "", ...) and not callable(default):
         meaning += f" Default: {default}."
-    return f"| `{name}` | {meaning.strip()} |"
+    cells = (cell.replace("|", "\\|") for cell in (f"`{name}`", meaning.strip()))
+    return f"| {' | '.join(cells)} |"

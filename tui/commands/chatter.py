@@ -42,7 +42,7 @@ def chatter_command(
     posture: PostureOption = None,
     path: PathOption = None,
     kr: Annotated[float, typer.Option(help="Radial cutting coefficient, N/mm².")] = 0.0,
-    teeth: Annotated[int, typer.Option(min=1, max=100)] = 2,
+    teeth: Annotated[int, typer.Option(min=1, max=100, help="Teeth of the cutter.")] = 2,
     immersion: Annotated[float, typer.Option(help="Radial depth over the diameter.")] = 1.0,
     down: Annotated[bool, typer.Option("--down/--up", help="Down- or up-milling.")] = True,
     speeds: Annotated[

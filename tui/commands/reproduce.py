@@ -159,7 +159,9 @@ def _shown(value: float | bool | str | None) -> str:
 
 @app.command("reproduce")
 def reproduce_command(
-    postures: Annotated[int, typer.Option(min=1000, max=100_000_000)] = 1_000_000,
+    postures: Annotated[
+        int, typer.Option(min=1000, max=100_000_000, help="Random postures of paper 002's study.")
+    ] = 1_000_000,
     as_json: Json = False,
 ) -> None:
     """Compare published figures of three papers and a later data set with armodal's own.

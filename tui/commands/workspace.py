@@ -170,7 +170,9 @@ def _page(arm: Arm, survey: WorkspaceSurvey) -> str:
 @app.command("workspace")
 def workspace_command(
     arm: ArmName,
-    postures: Annotated[int, typer.Option(min=1, max=100_000_000)] = 100_000,
+    postures: Annotated[
+        int, typer.Option(min=1, max=100_000_000, help="Number of random postures.")
+    ] = 100_000,
     directory: Annotated[Path, typer.Option("--out", help="Folder for page and arrays.")] = Path(
         "workspace"
     ),
