@@ -46,6 +46,7 @@ class _Rows:
         self._stream = stream
         self._origin = origin
         self._kept: list[str] = []
+        self.numbers_left = MOST_TEXT_NUMBERS
 
     def __iter__(self) -> Iterator[str]:
         """Yield the lines that are left."""
@@ -85,7 +86,6 @@ def text_variables(data: bytes, origin: str) -> tuple[Variables, ...]:
 
 def _sections(data: bytes, encoding: str, origin: str) -> Iterator[Variables]:
     rows = _Rows(io.TextIOWrapper(io.BytesIO(data), encoding=encoding), origin)
-    n_lines = data.count(b"\n")
     count = 0
     while True:
         head = _head(rows)
@@ -102,7 +102,7 @@ def _sections(data: bytes, encoding: str, origin: str) -> Iterator[Variables]:
                 f"{origin}: wanted at most {_MOST_SECTIONS} tables, got more; split the file"
             )
         where = origin if count == 1 else f"{origin}: {count}"
-        yield _section(rows, head[:at], dialect, n_lines, where)
+        yield _section(rows, head[:at], dialect, where)
 
 
 def _head(rows: _Rows) -> list[str]:
@@ -115,9 +115,7 @@ def _head(rows: _Rows) -> list[str]:
     return lines
 
 
-def _section(
-    rows: _Rows, head: list[str], dialect: Dialect, n_lines: int, origin: str
-) -> Variables:
+def _section(rows: _Rows, head: list[str], dialect: Dialect, origin: str) -> Variables:
     first = rows.take()
     rows.give_back([first])
     row = cells(first, dialect)
@@ -125,11 +123,6 @@ def _section(
     if len(columns) > _MOST_COLUMNS:
         raise ForeignFileError(
             f"{origin}: wanted at most {_MOST_COLUMNS} columns, got {len(columns)}; export fewer"
-        )
-    if n_lines * len(columns) > MOST_TEXT_NUMBERS:
-        raise ForeignFileError(
-            f"{origin}: wanted at most {MOST_TEXT_NUMBERS:,} numbers in a text, got some "
-            f"{n_lines * len(columns):,}; split the file, or export MAT, WAV or HDF5"
         )
     for i, line in enumerate(head):
         if (
@@ -141,22 +134,30 @@ def _section(
                 f"{head[i + 1][:40].strip()!r}; truncated or damaged?"
             )
     header = read_header(head, columns, dialect)
-    table = numbers_of_rows(_until_words(rows), first, columns, dialect, origin)
+    lines = _until_words(rows, rows.numbers_left // len(columns), origin)
+    table = numbers_of_rows(lines, first, columns, dialect, origin)
+    rows.numbers_left -= table.size
     return _variables(table, header, origin)
 
 
-def _until_words(rows: _Rows) -> Iterator[str]:
+def _until_words(rows: _Rows, most: int, origin: str) -> Iterator[str]:
     """Yield lines until one of words; blank ones are passed over."""
+    found = 0
     for line in rows:
-        if line[0] in _OF_NUMBERS:
-            yield line
-            continue
-        text = line.lstrip("\"' \t")
-        if text[:3].isalpha() and text[:3].lower() not in {"nan", "inf"}:
-            rows.give_back([line])
-            return
-        if text.strip():
-            yield line
+        if line[0] not in _OF_NUMBERS:
+            text = line.lstrip("\"' \t")
+            if text[:3].isalpha() and text[:3].lower() not in {"nan", "inf"}:
+                rows.give_back([line])
+                return
+            if not text.strip():
+                continue
+        if found >= most:
+            raise ForeignFileError(
+                f"{origin}: wanted at most {MOST_TEXT_NUMBERS:,} numbers in a text, got more; "
+                "split the file, or export MAT, WAV or HDF5"
+            )
+        found += 1
+        yield line
 
 
 def numbers_of_rows(
@@ -190,6 +191,8 @@ def numbers_of_rows(
             usecols=None if n_cells == len(columns) else columns,
             ndmin=2,
         )
+    except ForeignFileError:  # said of the lines
+        raise
     except (ValueError, IndexError) as error:
         said = _first_line(error).partition(";")[0]  # behind it, advice for those who program
         raise ForeignFileError(

@@ -12,14 +12,16 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from armodal.protocols.bounds import MOST_TEXT_NUMBERS
+
 TOML = ("arm", "plant")  # all are read by `protocols/toml_reader.py`
 
 # Hundreds of megabytes that are packed, or not, before anything is read.
 SLOW_TO_MAKE = {
     "seven_arrays_of_zeros", "zeros_of_eight_bytes", "texts_of_a_gigabyte",
     "half_a_gigabyte_of_doubles", "one_large_chunk", "padding_in_a_chunk", "many_chunks_of_padding",
-    "large_rows_of_one_digit", "large_rows_of_measured_numbers", "a_large_wave_of_bytes",
-    "large_bytes_of_an_array",
+    "large_rows_of_one_digit", "large_rows_as_many_as_are_read", "large_rows_of_measured_numbers",
+    "a_large_wave_of_bytes", "large_bytes_of_an_array",
 }  # fmt: skip
 
 # As large as others of their kind, and read for seconds.
@@ -325,6 +327,11 @@ def words_without_numbers() -> bytes:
 @bomb(("content",), ".csv")
 def large_rows_of_one_digit() -> bytes:
     return b"1,2,3,4\n" * 12_000_000
+
+
+@bomb(("content",), ".csv")
+def large_rows_as_many_as_are_read() -> bytes:
+    return b"1,2,3,4\n" * (MOST_TEXT_NUMBERS // 4)
 
 
 @bomb(("content",), ".csv")

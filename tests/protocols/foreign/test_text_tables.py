@@ -380,9 +380,12 @@ def test_a_table_cut_within_a_row_is_refused_with_that_row_and_no_library_s_advi
     assert "usecols" not in str(caught.value)
 
 
-def test_more_numbers_than_are_read_in_time_are_refused_before_they_are_read(monkeypatch):
-    monkeypatch.setattr("armodal.protocols.foreign.text_table.MOST_TEXT_NUMBERS", 11)
-    rows = b"0.1,1.5,2\n0.2,1.5,2\n0.3,1.5,2\n"
-    assert len(text_variables(rows, "a.csv")) == 1
-    with pytest.raises(ForeignFileError, match="wanted at most 11 numbers in a text, got some 12"):
-        text_variables(rows + b"0.4,1.5,2\n", "a.csv")
+@pytest.mark.parametrize("end", [b"\n", b"\r"])
+def test_more_numbers_than_are_read_in_time_are_refused(monkeypatch, end):
+    monkeypatch.setattr("armodal.protocols.foreign.text_table.MOST_TEXT_NUMBERS", 41)
+    wide = b"1,2,3,4,5,6\n" * 6  # a section of its own counts for what it holds
+    rows = [b"0.1,1.5", b"0.2,1.5"]
+    assert len(text_variables(wide + b"time,force\n" + end.join(rows), "a.csv")) == 2
+    many = wide + b"time,force\n" + end.join([*rows, b"0.3,1.5"])
+    with pytest.raises(ForeignFileError, match=r"^a.csv: 2: wanted at most 41 numbers in a text"):
+        text_variables(many, "a.csv")

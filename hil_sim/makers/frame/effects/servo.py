@@ -9,7 +9,7 @@ from armodal.hil_sim.makers.frame.structure import Complex
 RANGE = (0.01, 4.0)  # compliance of the servo over the gear's
 OWN_HZ = (10.0, 90.0)  # of the rotor on its servo
 RATIO = (0.25, 1.0)  # damping ratio of that
-DELAY_S = 2e-3  # of the loop, at most
+DELAY_S = 2e-3  # s, of the loop, at most: a period at 500 Hz (`docs/makers.md`)
 BRAKE = 300.0  # times as stiff as the servo
 
 
