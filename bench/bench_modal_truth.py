@@ -59,8 +59,8 @@ def sdypy_choice(frf: FrequencyResponse) -> np.ndarray:
 def pyoma_choice(frf: FrequencyResponse) -> np.ndarray:
     """(n, 2) frequencies and damping ratios."""
     from pyoma2.algorithms import SSI  # noqa: PLC0415 - slow to import
-    from pyoma2.algorithms.data.run_params import Clustering  # noqa: PLC0415
-    from pyoma2.setup import SingleSetup  # noqa: PLC0415
+    from pyoma2.algorithms.data.run_params import Clustering  # noqa: PLC0415 - as above
+    from pyoma2.setup import SingleSetup  # noqa: PLC0415 - as above
 
     logging.disable(logging.INFO)
     lines = np.concatenate([np.zeros((frf.values.shape[0], 1)), frf.values[:, 0]], axis=1)

@@ -44,7 +44,7 @@ _TELLS = re.compile(r"Error\b|ERROR|Test unit")
 
 def python_names() -> list[str]:
     """Return the names of the Python decoders."""
-    from support.fuzz_material import decoders_in  # noqa: PLC0415
+    from support.fuzz_material import decoders_in  # noqa: PLC0415 - behind sys.path
 
     with tempfile.TemporaryDirectory() as folder:
         return list(decoders_in(folder))
@@ -52,7 +52,7 @@ def python_names() -> list[str]:
 
 def dictionary() -> Path:
     """Write the words that say much to decoders, as libFuzzer reads them."""
-    from support.mutate import TELLING_TOKENS  # noqa: PLC0415
+    from support.mutate import TELLING_TOKENS  # noqa: PLC0415 - behind sys.path
 
     words = [*TELLING_TOKENS, b"RJ", b"\x89AMJ\r\n\x1a\x01", b"SG_ ", b"BO_ ", b"<link", b"<joint"]
     path = WORK / "words.dict"
@@ -120,7 +120,7 @@ def _folder(name: str) -> str:
 
 def c_command() -> list[str] | None:
     """Compile the C decoders with libFuzzer; None where that cannot be."""
-    from support.fuzz_c import compile_libfuzzer  # noqa: PLC0415
+    from support.fuzz_c import compile_libfuzzer  # noqa: PLC0415 - behind sys.path
 
     program = compile_libfuzzer(WORK)
     return None if program is None else [str(program)]

@@ -23,11 +23,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 import h5py  # noqa: F401 - loaded once for all, before processes part
-import pinocchio  # noqa: F401
+import pinocchio  # noqa: F401 - likewise
 import pytest
 import scipy.optimize
 import scipy.signal
-import scipy.stats  # noqa: F401
+import scipy.stats  # noqa: F401 - likewise
 from mutants import Mutant, drawn
 from touching_tests import Tests, reach
 
@@ -90,7 +90,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--budget", type=float, default=40.0, help="seconds of tests per mutant")
     told = parser.parse_args()
-    tests, rng = Tests(told.coverage, told.durations), random.Random(told.seed)  # noqa: S311
+    tests, rng = Tests(told.coverage, told.durations), random.Random(told.seed)  # noqa: S311 - a draw, no secret
     plan = []
     for package in told.packages:
         name, _, size = package.partition("=")

@@ -43,7 +43,7 @@ def name_of(script: Path) -> str:
 def commit() -> str:
     """Return the commit that is tortured, with a sign where files differ from it."""
     said = subprocess.run(
-        ["git", "describe", "--always", "--dirty", "--abbrev=9"],  # noqa: S607
+        ["git", "describe", "--always", "--dirty", "--abbrev=9"],  # noqa: S607 - git of whoever calls
         cwd=HERE, capture_output=True, text=True, check=False,
     )  # fmt: skip
     return said.stdout.strip() or "no commit"

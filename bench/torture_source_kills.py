@@ -14,7 +14,6 @@ import argparse
 import importlib.util
 import json
 import multiprocessing
-import subprocess
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
@@ -23,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 from figures import Figure, told
+from torture import commit
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
@@ -32,15 +32,6 @@ from support.source_kills import KilledSession
 KILLS_OF_A_JOURNAL = 10
 NEEDS = {"ni": ("nidaqmx", "grpc"), "opendaq": ("opendaq",)}
 DONE = Path(__file__).resolve().parents[1] / "build" / "torture" / "source_kills.jsonl"
-
-
-def commit() -> str:
-    """Of the sources that are tortured."""
-    said = subprocess.run(
-        ["git", "describe", "--always", "--dirty", "--abbrev=9"],  # noqa: S607
-        cwd=DONE.parents[2], capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    return said.stdout.strip() or "no commit"
 
 
 def done(at: str, seed: int) -> list[dict[str, object]]:

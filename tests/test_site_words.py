@@ -26,10 +26,10 @@ def test_options_stand_in_code_on_every_page_of_a_command():
 
 def test_indices_and_powers_are_set_and_names_stay():
     pytest.importorskip("sphinx")
-    from readable import _pieces  # noqa: PLC0415
+    from readable import pieces_of  # noqa: PLC0415 - likewise
 
     said = "M_jj^¼, |H_(k+1)|, Jᵀ_v, e^(-at), 2e-6 on 2026-11-27; link_axis, n_samples, x_axis"
-    pieces = [(node.tagname, node.astext()) for node in _pieces(said)]
+    pieces = [(node.tagname, node.astext()) for node in pieces_of(said)]
     assert [text for kind, text in pieces if kind == "subscript"] == ["jj", "k+1", "v"]
     assert [text for kind, text in pieces if kind == "superscript"] == ["¼", "-at"]
     assert [text for kind, text in pieces if kind == "inline"] == ["2e-6", "2026-11-27"]

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from armodal.study.kept_lines import Line
-from armodal.study.score import rate
+from armodal.study.summary import study_summary
 from armodal.study.tables import StudyTable
 
 __all__ = ["claims"]
-
-_MAIN_JOINTS = 3
-_SINGLE = {
-    "clear, right and alone": ("clear", "90 %"),
-    "medium": ("medium", "75 %"),
-    "faint": ("faint", ""),
-}
 
 
 def claims(studies: Mapping[str, Sequence[Line]]) -> StudyTable:
@@ -28,96 +21,66 @@ def claims(studies: Mapping[str, Sequence[Line]]) -> StudyTable:
     studies
         Lines of each maker's study, by its name.
     """
-    judged = {name: [x for x in own if "error" not in x] for name, own in studies.items()}
-    columns = [*judged.values(), [x for own in judged.values() for x in own]]
-    rows = _verdicts(columns) + _stiffness(columns) + _sizes(columns) + _times(columns)
+    together = [line for own in studies.values() for line in own]
+    summaries = [study_summary(own) for own in (*studies.values(), together)]
+    rows = tuple((words, *(told(s) for s in summaries), wanted) for words, told, wanted in _FIGURES)
     return StudyTable(
-        title="Figures by maker", head=("", *judged, "together", "wanted"), rows=tuple(rows)
+        title="Figures by maker", head=("", *studies, "together", "wanted"), rows=rows
     )
 
 
-def _verdicts(columns: Sequence[Sequence[Line]]) -> list[tuple[str, ...]]:
-    def nulls(lines: Sequence[Line]) -> list[Line]:
-        return [x for x in lines if not x["true"] and x["magnitude"] == "none"]
-
-    def effects(lines: Sequence[Line]) -> list[Line]:
-        return [x for x in lines if x["magnitude"] != "none"]
-
-    def of_size(lines: Sequence[Line], size: str) -> list[Line]:
-        return [x for x in lines if x["magnitude"] == size and len(x["true"]) == 1]
-
-    rows = [
-        ("nulls silent", *(_right(nulls(x)) for x in columns), "95 %"),
-        ("— a wrong name", *(_wrong(nulls(x)) for x in columns), "1 %"),
-    ]
-    for words, (size, wanted) in _SINGLE.items():
-        rows.append((words, *(_right(of_size(x, size)) for x in columns), wanted))
-    pairs = [[x for x in own if len(x["true"]) == 2] for own in columns]
-    outside = [[x for x in own if x["true_verdict"] == "outside_library"] for own in columns]
-    rows += [
-        ("two at once, both named", *(_right(x) for x in pairs), "70 %"),
-        ("outside the library, said so", *(_right(x) for x in outside), "85 %"),
-        ("wrong or surplus names, effects", *(_wrong(effects(x)) for x in columns), "2 %"),
-    ]
-    return rows
+def _of_group(name: str, what: str) -> Callable[[Line], str]:
+    return lambda summary: _rate(summary["groups"][name][what])
 
 
-def _stiffness(columns: Sequence[Sequence[Line]]) -> list[tuple[str, ...]]:
-    def rows_of(lines: Sequence[Line], *, right: bool) -> list[Line]:
-        used = [x for x in lines if x["outcome"] == "right" or not right]
-        return [row for x in used for row in x["stiffness"][:_MAIN_JOINTS]]
-
-    def covered(rows: Sequence[Line]) -> str:
-        return _of(sum(row["low"] <= row["true"] <= row["high"] for row in rows), len(rows))
-
-    every = [rows_of(own, right=False) for own in columns]
-    right = [rows_of(own, right=True) for own in columns]
-    errors = [[abs(row["k"] / row["true"] - 1.0) for row in own] for own in right]
-    widths = [[float(np.log(row["high"] / row["low"])) / 2.0 for row in own] for own in every]
-    return [
-        (
-            "k of joints 1 to 3, median error (right verdicts)",
-            *(_percent(own, 2) for own in errors),
-            "1.5 %",
-        ),
-        ("— its range covers, every verdict", *(covered(own) for own in every), "92 to 98 %"),
-        ("— half width of the range, median", *(_percent(own, 0) for own in widths), "15 %"),
-    ]
-
-
-def _sizes(columns: Sequence[Sequence[Line]]) -> list[tuple[str, ...]]:
-    cells = []
-    for own in columns:
-        rows = [row for x in own if x["outcome"] == "right" for row in x["sizes"]]
-        cells.append(_of(sum(row["low"] <= row["true"] <= row["high"] for row in rows), len(rows)))
-    return [("size of a named effect in its 95 % interval", *cells, "90 to 98 %")]
-
-
-def _times(columns: Sequence[Sequence[Line]]) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = []
-    for words, null in (("processor time of a null, median, most", True), ("of an effect", False)):
-        cells = []
-        for own in columns:
-            spent = [x["cpu_s"] for x in own if (x["magnitude"] == "none") == null]
-            cells.append(f"{np.median(spent):.0f}, {max(spent):.0f} s" if spent else "")
-        rows.append((words, *cells, "10, 30 s"))
-    return rows
-
-
-def _right(lines: Sequence[Line]) -> str:
-    return _of(sum(x["outcome"] == "right" for x in lines), len(lines))
-
-
-def _wrong(lines: Sequence[Line]) -> str:
-    return _of(sum(x["outcome"] == "wrong name" for x in lines), len(lines))
-
-
-def _of(k: int, n: int) -> str:
-    if not n:
+def _rate(rate: Line | None) -> str:
+    if not rate or not rate["n"]:
         return ""
-    exact = rate(k, n)
-    return f"{k} of {n} ({100 * exact.low:.0f} to {100 * exact.high:.0f} %)"
+    low, high = (f"{100 * rate[end]:.0f}" for end in ("low", "high"))
+    return f"{rate['k']} of {rate['n']} ({low} to {high} %)"
 
 
-def _percent(values: Sequence[float], digits: int) -> str:
-    return f"{100 * float(np.median(values)):.{digits}f} %" if values else ""
+def _percent(value: float, digits: int) -> str:
+    return "" if np.isnan(value) else f"{100 * value:.{digits}f} %"
+
+
+def _seconds(times: Sequence[float]) -> str:
+    return "" if np.isnan(times[0]) else f"{times[0]:.0f}, {times[1]:.0f} s"
+
+
+_FIGURES: tuple[tuple[str, Callable[[Line], str], str], ...] = (
+    ("nulls silent", _of_group("nulls", "right"), "95 %"),
+    ("— a wrong name", _of_group("nulls", "wrong"), "1 %"),
+    ("clear, right and alone", _of_group("clear", "right"), "90 %"),
+    ("medium", _of_group("medium", "right"), "75 %"),
+    ("faint", _of_group("faint", "right"), ""),
+    ("two at once, both named", _of_group("two at once", "right"), "70 %"),
+    ("outside the library, said so", _of_group("outside", "right"), "85 %"),
+    ("wrong or surplus names, effects", lambda s: _rate(s["wrong_of_effects"]), "2 %"),
+    (
+        "k of joints 1 to 3, median error (right verdicts)",
+        lambda s: _percent(s["main_k"]["error_median"], 2),
+        "1.5 %",
+    ),
+    (
+        "— its range covers, every verdict",
+        lambda s: _rate(s["main_k"]["range_covers"]),
+        "92 to 98 %",
+    ),
+    (
+        "— half width of the range, median",
+        lambda s: _percent(s["main_k"]["half_width_median"], 0),
+        "15 %",
+    ),
+    (
+        "size of a named effect in its 95 % interval",
+        lambda s: _rate(s["size_covered"]),
+        "90 to 98 %",
+    ),
+    (
+        "processor time of a null, median, most",
+        lambda s: _seconds(s["groups"]["nulls"]["cpu_s"]),
+        "10, 30 s",
+    ),
+    ("of an effect", lambda s: _seconds(s["cpu_s_effects"]), "10, 30 s"),
+)

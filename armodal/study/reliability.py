@@ -104,10 +104,10 @@ def reliability_svg(bins: Sequence[Bin]) -> str:
     for own in bins:
         at = x(1.0 - own.stated)
         parts.append(_line(at, y(1.0 - own.right.low), at, y(1.0 - own.right.high), "#1f5fa8"))
-        wrong = y(1.0 - own.right.k / own.right.n)
-        parts.append(f'<circle cx="{at}" cy="{wrong}" r="5" fill="#1f5fa8"/>')
+        level = y(1.0 - own.right.k / own.right.n)
+        parts.append(f'<circle cx="{at}" cy="{level}" r="5" fill="#1f5fa8"/>')
         label = f"{own.right.k} of {own.right.n}"
-        parts.append(_text(f"{float(at) + 9:.1f}", f"{float(wrong) + 4:.1f}", label, "start"))
+        parts.append(_text(f"{float(at) + 9:.1f}", f"{float(level) + 4:.1f}", label, "start"))
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 

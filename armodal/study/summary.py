@@ -46,6 +46,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
     errors, covered = _size_errors(judged)
     k_errors, k_covered, range_covers = _stiffness_errors([*nulls, *single])
     right = [x for x in (*nulls, *single) if x["outcome"] == "right"]
+    hiding = [x for x in judged if x["magnitude"] != "none"]
     held = [x["over_true_model"] for x in judged if x["over_true_model"] is not None]
     paced = [x["cpu_s"] / x["pace"] for x in judged]  # as a core of the reference's pace
     return {
@@ -57,12 +58,15 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "k_covered": k_covered,
         "k_covered_where_right": _stiffness_errors(right)[1],
         "k_range_covers": range_covers,
+        "main_k": _main_stiffness(judged),
+        "wrong_of_effects": asdict(rate(_count(hiding, "wrong name"), len(hiding))),
         "held_out_over_true_model_median": _median(held),
         "held_out_over_true_model_worst": max(held, default=float("nan")),
         "gap": _gaps([x for x in (*single, *pairs) if x["outcome"] == "right"]),
         "detection": _detection(nulls, groups),
         "reliability": [asdict(own) for own in reliability(judged)],
         "ambiguous_holds_truth": _ambiguous_sets(judged),
+        "cpu_s_effects": [_median(own := [x["cpu_s"] for x in hiding]), max(own, default=0.0)],
         "cpu_s_median": _median([x["cpu_s"] for x in judged]),
         "cpu_s_most": max((x["cpu_s"] for x in judged), default=float("nan")),
         "pace_median": _median([x["pace"] for x in judged]),
@@ -171,6 +175,18 @@ def _stiffness_errors(
     if not rows:
         return errors, {}, {}
     return errors, asdict(rate(near, len(rows))), asdict(rate(inside, len(rows)))
+
+
+def _main_stiffness(lines: Sequence[Line]) -> dict[str, Any]:
+    """Of the first joints: error where the verdict is right; the range of every verdict."""
+    right = [row for x in lines if x["outcome"] == "right" for row in x["stiffness"][:_MAIN_JOINTS]]
+    rows = [row for x in lines for row in x["stiffness"][:_MAIN_JOINTS]]
+    inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
+    return {
+        "error_median": _median([abs(row["k"] / row["true"] - 1.0) for row in right]),
+        "range_covers": asdict(rate(inside, len(rows))),
+        "half_width_median": _median([np.log(row["high"] / row["low"]) / 2.0 for row in rows]),
+    }
 
 
 def _confusion(lines: Sequence[Line]) -> dict[str, dict[str, int]]:

@@ -62,7 +62,7 @@ class Typography(SphinxPostTransform):
         for text in list(self.document.findall(nodes.Text)):
             if isinstance(text.parent, _AS_IT_IS) or _within(text, desc_signature):
                 continue
-            pieces = list(_pieces(_SPACE.sub("\u00a0", text.astext())))
+            pieces = list(pieces_of(_SPACE.sub("\u00a0", text.astext())))
             if len(pieces) > 1 or pieces[0].astext() != text.astext():
                 text.parent.replace(text, pieces)
         for literal in self.document.findall(nodes.literal):
@@ -81,7 +81,7 @@ def _within(node: nodes.Node, kind: type[nodes.Element]) -> bool:
     return False
 
 
-def _pieces(words: str) -> Iterator[nodes.Node]:
+def pieces_of(words: str) -> Iterator[nodes.Node]:
     """Words as nodes: what stands below or above the line, and what must not be broken."""
     at = 0
     for found in _PIECES.finditer(words):

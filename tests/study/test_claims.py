@@ -4,16 +4,18 @@ import re
 
 import numpy as np
 import pytest
+from support.made_line import MADE_LINE
 
 from armodal.study.claims import claims
 from armodal.study.reliability import reliability, reliability_svg
 
 JOINT = {"joint": "a", "k": 1.02, "std": 0.1, "low": 0.9, "high": 1.1, "true": 1.0}
+WITHOUT_TESTS = {key: MADE_LINE[key] for key in MADE_LINE.keys() - {"after", "brought", "widths"}}
 SIZE = {"name": "base", "true": 1.0, "found": 1.1, "low": 1.05, "high": 1.2}
 
 
 def line(outcome, magnitude="clear", true=("base",), confidence=None, **more):
-    return {
+    own = {
         "magnitude": magnitude,
         "true": list(true),
         "true_verdict": "named" if true else "nothing_detectable",
@@ -23,8 +25,8 @@ def line(outcome, magnitude="clear", true=("base",), confidence=None, **more):
         "place_right": True,
         "stiffness": [JOINT] * 4,
         "sizes": [SIZE],
-        "cpu_s": 10.0,
-    } | more
+    }
+    return WITHOUT_TESTS | own | more
 
 
 NULL = line("right", "none", (), sizes=[])
