@@ -18,7 +18,8 @@ __all__ = ["Bin", "reliability", "reliability_svg"]
 
 _BINS = 4  # at most, with names shared evenly
 _FEWEST = 5  # names a bin
-_WRONG = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)  # ticks, probability of being wrong
+_LEAST, _MOST = 0.001, 0.5  # probability of being wrong, ends of both axes
+_TICKS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3)
 _SIZE, _MARGIN = 420, 64  # px
 _FONT = ' font-family="sans-serif" font-size="12"'
 
@@ -71,11 +72,11 @@ def reliability_svg(bins: Sequence[Bin]) -> str:
     On the diagonal what is stated is true; above it names are surer than they should be.
     """
     inner = _SIZE - 2 * _MARGIN
-    span = np.log(_WRONG[0] / _WRONG[-1])
+    span = np.log(_MOST / _LEAST)
 
     def along(wrong: float) -> float:
-        kept = min(max(wrong, _WRONG[-1]), _WRONG[0])
-        return float(np.log(kept / _WRONG[-1]) / span) * inner
+        kept = min(max(wrong, _LEAST), _MOST)
+        return float(np.log(kept / _LEAST) / span) * inner
 
     def x(wrong: float) -> str:
         return f"{_MARGIN + along(wrong):.1f}"
@@ -83,7 +84,7 @@ def reliability_svg(bins: Sequence[Bin]) -> str:
     def y(wrong: float) -> str:
         return f"{_SIZE - _MARGIN - along(wrong):.1f}"
 
-    ends = x(_WRONG[-1]), y(_WRONG[-1]), x(_WRONG[0]), y(_WRONG[0])
+    ends = x(_LEAST), y(_LEAST), x(_MOST), y(_MOST)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_SIZE} {_SIZE}"{_FONT}>',
         f'<rect width="{_SIZE}" height="{_SIZE}" fill="white"/>',
@@ -91,7 +92,7 @@ def reliability_svg(bins: Sequence[Bin]) -> str:
         _line(ends[0], ends[1], ends[2], ends[1], "black"),
         _line(ends[0], ends[1], ends[0], ends[3], "black"),
     ]
-    for wrong in _WRONG:
+    for wrong in _TICKS:
         percent = f"{100 * wrong:g} %"
         parts.append(_text(x(wrong), f"{_SIZE - _MARGIN + 18}", percent, "middle"))
         parts.append(_text(f"{_MARGIN - 8}", f"{float(y(wrong)) + 4:.1f}", percent, "end"))
@@ -106,8 +107,8 @@ def reliability_svg(bins: Sequence[Bin]) -> str:
         parts.append(_line(at, y(1.0 - own.right.low), at, y(1.0 - own.right.high), "#1f5fa8"))
         level = y(1.0 - own.right.k / own.right.n)
         parts.append(f'<circle cx="{at}" cy="{level}" r="5" fill="#1f5fa8"/>')
-        label = f"{own.right.k} of {own.right.n}"
-        parts.append(_text(f"{float(at) + 9:.1f}", f"{float(level) + 4:.1f}", label, "start"))
+        label = f"{own.right.k} of {own.right.n} right"
+        parts.append(_text(f"{float(at) + 5:.1f}", f"{float(level) - 8:.1f}", label, "start"))
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
