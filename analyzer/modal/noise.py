@@ -5,17 +5,23 @@ scatter is therefore averaged over neighbouring lines, then drawn towards a two-
 all FRFs of the posture share, and held above the noise seen before the trigger:
 
     scatter   v1 = mean over 2m+1 lines of sum|X_h - H F_h|^2 / ((n - 1) sum|F_h|^2)
-    model     v0 = floor + r^2 |H|^2, r^2 the median over FRFs of the mean of (v1 - floor)/|H|^2
+    model     v0 = c floor + r^2 |H|^2, r^2 the median over FRFs of the mean of (v1 - floor)/|H|^2
               on the quarter of lines where |H|^2 stands highest above the floor
-    variance  v  = max(floor, (nu1 v1 + nu0 v0) / (nu1 + nu0))
+    colour    c  = sum a (v1 - r^2 |H|^2)/floor / sum a over FRFs, a = (floor / v0)^2, line by line
+    variance  v  = max(c floor, (nu1 v1 + nu0 v0) / (nu1 + nu0))
 
-`floor` is the noise floor carried to the FRF, r the relative scatter of hits (aim, level,
+`floor` is the noise floor carried to the FRF, as white as the short record before the trigger has
+it; c, at least 1, is how much more there is at a line: a sensor's noise rises towards low
+frequencies, and so does what the floor of a laboratory brings (least squares, weighted by what
+scatter scatters, drawn towards 1 as v1 is towards v0). r the relative scatter of hits (aim, level,
 nonlinearity), nu1 the degrees of freedom of v1 and nu0 the weight of the model. With one hit
 v = v0 with r = 1 %, and the floor is at least what differs from line to line about it: without a
 second hit nothing else tells how much of a line between resonances is noise.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -158,7 +164,31 @@ def hit_scatter_variance(
         relative = max(float(np.median(mean[several])), 0.0)
     else:
         relative = _SINGLE_HIT_RELATIVE**2
+    if np.any(several):
+        colour = _colour(smoothed, floor, relative * magnitude_squared, dof, several)
+        floor = np.multiply(floor, colour)
     model = floor + relative * magnitude_squared
     mixed = (dof * smoothed + _MODEL_DOF * model) / (dof + _MODEL_DOF)
     result: npt.NDArray[np.float64] = np.maximum(mixed, floor)
+    return result
+
+
+def _colour(
+    smoothed: npt.NDArray[np.float64],
+    floor: npt.NDArray[np.float64],
+    by_signal: npt.NDArray[np.float64],
+    dof: npt.NDArray[np.floating[Any]],
+    several: npt.NDArray[np.bool_],
+) -> npt.NDArray[np.float64]:
+    """(n_freq,) noise of all FRFs over its white floor, line by line; at least 1.
+
+    FRFs that the signal's own scatter rules have no say: a scatter varies as its mean does.
+    """
+    white = np.maximum(floor[several], np.finfo(float).tiny)
+    weight = (white / (white + by_signal[several])) ** 2  # (n, n_freq)
+    told = weight.sum(axis=0)
+    excess = np.sum(weight * (smoothed[several] - by_signal[several]) / white, axis=0) / told
+    freedom = np.sum(weight * dof[several], axis=0) ** 2 / np.sum(weight**2 * dof[several], axis=0)
+    drawn = (freedom * excess + _MODEL_DOF) / (freedom + _MODEL_DOF)
+    result: npt.NDArray[np.float64] = np.maximum(drawn, 1.0)
     return result

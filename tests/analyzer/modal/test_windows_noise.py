@@ -1,7 +1,12 @@
 import numpy as np
 import pytest
 
-from armodal.analyzer.modal.noise import independent_line_share, line_to_line_noise, smooth_lines
+from armodal.analyzer.modal.noise import (
+    hit_scatter_variance,
+    independent_line_share,
+    line_to_line_noise,
+    smooth_lines,
+)
 from armodal.analyzer.modal.windows import (
     exponential_decay,
     exponential_window,
@@ -83,3 +88,44 @@ def test_lines_alike_through_a_short_window_tell_no_noise():
     values = np.ones((1, 100), dtype=complex)
     assert not np.any(line_to_line_noise(values, 20.0, 1.0))
     assert not np.any(line_to_line_noise(values[:, :20], 0.0, 1.0))
+
+
+LINES = np.arange(1, 401)
+
+
+def told_over_true(noise, seed=5):
+    """(2, n_lines) variance told of three hits over the true one, where a white floor of 1 is told.
+
+    Means over 40 FRFs whose hits scatter by 1 % of an answer far above the noise, and over 20
+    without an answer.
+    """
+    rng = np.random.default_rng(seed)
+    answers = (np.arange(60) < 40)[:, None, None]
+    magnitude_squared = np.where(answers, 1e8, noise)
+    true = noise + 1e-4 * magnitude_squared
+    normal = rng.standard_normal((4, *true.shape))  # two complex degrees of freedom
+    told = hit_scatter_variance(
+        true * np.mean(normal**2, axis=0),
+        np.ones(true.shape),
+        magnitude_squared,
+        np.full(true.shape[:2], 3),
+        1.0,
+    )
+    ratio = (told / true)[:, 0]
+    return ratio[:40].mean(axis=0), ratio[40:].mean(axis=0)
+
+
+def test_noise_that_rises_towards_low_frequencies_has_its_own_variance():
+    # Ten times the white floor at line 20; from there on the nine lines that are smoothed hardly
+    # bend it. Twenty FRFs of nine lines scatter by 5 %. A variance is never below the floor, so what
+    # scatters below it is taken for it: up to a quarter too much of a silent FRF.
+    answering, silent = told_over_true(1.0 + 9.0 * 20.0 / LINES)
+    assert silent[19:] == pytest.approx(np.ones(len(LINES) - 19), abs=0.25)
+    assert answering[19:] == pytest.approx(np.ones(len(LINES) - 19), abs=0.2)
+
+
+def test_white_noise_is_told_as_white():
+    answering, silent = told_over_true(np.ones(len(LINES)))
+    assert silent.min() >= 1.0
+    assert silent.max() < 1.25
+    assert answering == pytest.approx(np.ones(len(LINES)), abs=0.2)
