@@ -117,8 +117,8 @@ def told_over_true(noise, seed=5):
 
 def test_noise_that_rises_towards_low_frequencies_has_its_own_variance():
     # Ten times the white floor at line 20; from there on the nine lines that are smoothed hardly
-    # bend it. Twenty FRFs of nine lines scatter by 5 %. A variance is never below the floor, so what
-    # scatters below it is taken for it: up to a quarter too much of a silent FRF.
+    # bend it. Twenty FRFs of nine lines scatter by 5 %. A variance is never below the floor: what
+    # scatters below it is taken for it, up to a quarter too much of a silent FRF.
     answering, silent = told_over_true(1.0 + 9.0 * 20.0 / LINES)
     assert silent[19:] == pytest.approx(np.ones(len(LINES) - 19), abs=0.25)
     assert answering[19:] == pytest.approx(np.ones(len(LINES) - 19), abs=0.2)
