@@ -58,7 +58,7 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
         "k_covered": k_covered,
         "k_covered_where_right": _stiffness_errors(right)[1],
         "k_range_covers": range_covers,
-        "main_k": _main_stiffness(judged),
+        "main_k": _main_stiffness(right, judged),
         "wrong_of_effects": asdict(rate(_count(hiding, "wrong name"), len(hiding))),
         "held_out_over_true_model_median": _median(held),
         "held_out_over_true_model_worst": max(held, default=float("nan")),
@@ -177,13 +177,13 @@ def _stiffness_errors(
     return errors, asdict(rate(near, len(rows))), asdict(rate(inside, len(rows)))
 
 
-def _main_stiffness(lines: Sequence[Line]) -> dict[str, Any]:
-    """Of the first joints: error where the verdict is right; the range of every verdict."""
-    right = [row for x in lines if x["outcome"] == "right" for row in x["stiffness"][:_MAIN_JOINTS]]
+def _main_stiffness(right: Sequence[Line], lines: Sequence[Line]) -> dict[str, Any]:
+    """Of the first joints: error of nulls and names that are right; the range of every verdict."""
+    told = [row for x in right for row in x["stiffness"][:_MAIN_JOINTS]]
     rows = [row for x in lines for row in x["stiffness"][:_MAIN_JOINTS]]
     inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
     return {
-        "error_median": _median([abs(row["k"] / row["true"] - 1.0) for row in right]),
+        "error_median": _median([abs(row["k"] / row["true"] - 1.0) for row in told]),
         "range_covers": asdict(rate(inside, len(rows))),
         "half_width_median": _median([np.log(row["high"] / row["low"]) / 2.0 for row in rows]),
     }
