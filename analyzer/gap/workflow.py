@@ -191,7 +191,14 @@ def _search(
         rounds += 1
         needs_more = partial(calibrations.needs_more, stages[-1])
         found = find_rivals(
-            stages, present, needs_more, start=start, fitted=fitted, without=without, tell=tell
+            stages,
+            present,
+            needs_more,
+            limit=partial(calibrations.limit, stages[-1]),
+            start=start,
+            fitted=fitted,
+            without=without,
+            tell=tell,
         )
         before = before or found.present
         tell("replicas of the session")

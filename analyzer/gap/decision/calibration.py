@@ -148,6 +148,10 @@ class Calibrations:
             last = self._last = stage, present, best, found
         return last[3]
 
+    def limit(self, stage: Stage, present: Fit, name: str) -> float:
+        """Return the nats that an effect needs beside a model, by its name."""
+        return self.of(stage, present, ()).limit(name)
+
     def needs_more(self, stage: Stage, present: Fit, begun: Sequence[Fit]) -> bool:
         """Whether anything is to be explained.
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
+import scipy.special
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from armodal.analyzer.gap.model.assembly import Assembly
@@ -20,6 +21,9 @@ __all__ = ["given_way"]
 Array = npt.NDArray[np.float64]
 
 _SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
+# Where along it a link gives way: ln of its softness at the tip over that at the root, and at the
+# middle over that of the ends.
+_TAPER_STD, _MIDDLE_STD = 1.5, 1.5
 _START = 0.03  # of the size's deviation: from zero a first step misleads
 
 
@@ -34,11 +38,12 @@ def given_way(
 ) -> Instance:
     """A link whose compliance about each direction is spread over its length, 1/EI or 1/GJ.
 
-    The link's mass is in pieces between the hinges, spread evenly over a part of its length about
+    Castings taper, and flanges stiffen their ends: how much of it is where is a parameter. The
+    link's mass is in pieces between the hinges, spread evenly over a part of its length about
     its centre, as far as its own inertia allows; points turn with the stretch they stand on.
     """
-    gamma, loss, spread = (
-        f"{word} {what} {line.name}" for what in ("compliance", "loss", "spread")
+    gamma, loss, spread, taper, middle = (
+        f"{word} {what} {line.name}" for what in ("compliance", "loss", "spread", "taper", "middle")
     )
     columns = ordinary.superset.interface_columns(line.link)
     part = line.length_m / SLICES
@@ -60,9 +65,18 @@ def given_way(
         # A link that both bends and twists is in the same pieces.
         offsets = min(values[spread], most) * apart
         assembly.pieces.setdefault(line.link, (shares, offsets))
-        for column, inside in hinges:
+        parts, by_shape = _parts(values[taper], values[middle])
+        for number, (column, inside) in enumerate(hinges):
+            where = number // len(directions)
+            slopes = line.length_m * by_shape[:, where]
             at = assembly.add_compliance(
-                column, values[gamma], values[loss], gamma, loss, part=part
+                column,
+                values[gamma],
+                values[loss],
+                gamma,
+                loss,
+                part=line.length_m * float(parts[where]),
+                part_slopes=dict(zip((taper, middle), slopes.tolist(), strict=True)),
             )
             assembly.inside[at] = inside
 
@@ -78,11 +92,21 @@ def given_way(
             size,
             loss_parameter(loss),
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
+            Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD),
+            Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD),
         ),
         builder=build,
         initial_values=starting_points,
         size=gamma,
-        shapes=(spread,),
+        shapes=(spread, taper, middle),
         pieces=f"hinges {line.name}",
         material=material * ordinary.scale(line.link) / line.length_m,
     )
+
+
+def _parts(taper: float, middle: float) -> tuple[Array, Array]:
+    """Parts (SLICES,) of the whole that each hinge yields, and their slopes (2, SLICES)."""
+    place = np.linspace(-0.5, 0.5, SLICES)
+    by = np.stack([place, 1.0 - 2.0 * np.abs(place)])
+    parts = scipy.special.softmax(np.array([taper, middle]) @ by)
+    return parts, parts * (by - (by @ parts)[:, None])

@@ -6,7 +6,7 @@ parameter whose slope points outward rests.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -134,6 +134,7 @@ def fit_hypothesis(
     closing: bool = True,
     resumed: Fit | None = None,
     target_cost: float = -np.inf,
+    is_hopeless: Callable[[Fit], bool] | None = None,
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
@@ -156,6 +157,8 @@ def fit_hypothesis(
         evaluated again.
     target_cost
         Cost below which no further step is made.
+    is_hopeless
+        Asked of the fit before each of its steps: whether it ends there. Not asked of laws.
     """
     once = partial(
         _fit,
@@ -166,7 +169,13 @@ def fit_hypothesis(
         target_cost=target_cost,
     )
     if not hypothesis.has_laws:
-        return once(hypothesis, start=start, resumed=resumed, max_iterations=max_iterations)
+        return once(
+            hypothesis,
+            start=start,
+            resumed=resumed,
+            max_iterations=max_iterations,
+            is_hopeless=is_hopeless,
+        )
     space = hypothesis.space()
     u = space.start(start) if resumed is None else resumed.u
     if hypothesis.instances[-1].law is None:
@@ -208,6 +217,7 @@ def _fit(
     closing: bool,
     resumed: Fit | None,
     target_cost: float,
+    is_hopeless: Callable[[Fit], bool] | None = None,
 ) -> Fit:
     """Fit a hypothesis that is as linear as it gets: `fit_hypothesis`."""
     used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
@@ -223,11 +233,32 @@ def _fit(
     converged = False
     iteration = 0
     moved = False
+
+    def reached() -> Fit:
+        slope = now.gradient + u
+        return Fit(
+            hypothesis=hypothesis,
+            space=space,
+            u=u,
+            cost=cost,
+            first_cost=first_cost,
+            misfit=misfit,
+            curvature=now.curvature,
+            slope=slope,
+            free=~_resting(space, u, slope),
+            converged=converged,
+            n_iterations=iteration,
+            damping=damping,
+            on=None if moved else (stage, used),
+        )
+
     while iteration < max_iterations and cost >= target_cost:
-        iteration += 1
         if moved:
             now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
             moved = False
+        if is_hopeless is not None and is_hopeless(reached()):
+            break
+        iteration += 1
         slope = now.gradient + u
         gained = 0.0
         for _ in range(_TRIALS):
@@ -248,22 +279,7 @@ def _fit(
     if moved and closing:
         now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
         moved = False
-    slope = now.gradient + u
-    return Fit(
-        hypothesis=hypothesis,
-        space=space,
-        u=u,
-        cost=cost,
-        first_cost=first_cost,
-        misfit=misfit,
-        curvature=now.curvature,
-        slope=slope,
-        free=~_resting(space, u, slope),
-        converged=converged,
-        n_iterations=iteration,
-        damping=damping,
-        on=None if moved else (stage, used),
-    )
+    return reached()
 
 
 def best_starting_point(

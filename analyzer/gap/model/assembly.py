@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -125,10 +126,11 @@ class System:
 class Assembly:
     """A posture being put together; effects add to it.
 
-    What a parameter does a unit, where it stands, is told for most: `compliance_of`, `loss_of`,
-    `terms_of`, `stretches_of`, `inertia_of` and `sensor_mass_of` of terms, `log_slopes` of a
-    joint's spring, `motion_of` of coordinates that move otherwise with it, `turns_of` of stretches
-    that do. Those derivatives are known; of inertias but for gravity's part, a thousandth.
+    What a parameter does a unit, where it stands, is told for most: `compliance_of`,
+    `compliance_slopes`, `loss_of`, `terms_of`, `stretches_of`, `inertia_of` and `sensor_mass_of` of
+    terms, `log_slopes` of a joint's spring, `motion_of` of coordinates that move otherwise with it,
+    `turns_of` of stretches that do. Those derivatives are known; of inertias but for gravity's
+    part, a thousandth.
     """
 
     geometry: PostureGeometry
@@ -140,6 +142,8 @@ class Assembly:
     # By parameter: its coordinates, and which part of its compliance each has.
     compliance_of: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     loss_of: dict[str, list[int]] = field(default_factory=dict)
+    # By parameter: coordinates, and by what the compliance of each changes a unit.
+    compliance_slopes: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     # By parameter: coordinates, and by what (N,) the motion of each changes a unit.
     motion_of: dict[str, list[tuple[int, Array]]] = field(default_factory=dict)
     # Joints whose spring stretches by the difference to another coordinate.
@@ -206,10 +210,16 @@ class Assembly:
         loss_parameter: str | None = None,
         *,
         part: float = 1.0,
+        part_slopes: Mapping[str, float] = MappingProxyType({}),
     ) -> int:
-        """Add a coordinate, named as its parameter, that gives way by a part of its value."""
+        """Add a coordinate, named as its parameter, that gives way by a part of its value.
+
+        `part_slopes`: by what other parameters change that part a unit.
+        """
         at = self._add(parameter, column, part * compliance, loss_s)
         self.compliance_of.setdefault(parameter, []).append((at, part))
+        for name, slope in part_slopes.items():
+            self.compliance_slopes.setdefault(name, []).append((at, slope * compliance))
         if loss_parameter is not None:
             self.loss_of.setdefault(loss_parameter, []).append(at)
         return at

@@ -81,14 +81,15 @@ class Solved:
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
         """Compliances and their losses."""
         s, system = self.found.s_rad_s, self.found.system
-        compliances = self.assemblies[0].compliance_of
-        every = [at for parts in compliances.values() for at, _ in parts]
+        every = [at for parts in self.assemblies[0].compliance_of.values() for at, _ in parts]
         row_of = dict(zip(every, self.found.by_compliances(every), strict=True))
-        for name, parts in compliances.items():
-            weights = np.array(
-                [[part for _, part in own.compliance_of[name]] for own in self.assemblies]
-            )
-            yield name, _weighed_sum([row_of[at] for at, _ in parts], weights.T)
+        for of_all in (
+            [own.compliance_of for own in self.assemblies],
+            [own.compliance_slopes for own in self.assemblies],
+        ):
+            for name, parts in of_all[0].items():
+                weights = np.array([[weight for _, weight in own[name]] for own in of_all])
+                yield name, _weighed_sum([row_of[at] for at, _ in parts], weights.T)
         for name, coordinates in self.assemblies[0].loss_of.items():
             slower = [
                 -system.compliance[:, at, None]
@@ -249,6 +250,7 @@ class Solved:
         first = self.assemblies[0]
         known = {
             *first.compliance_of,
+            *first.compliance_slopes,
             *first.loss_of,
             *first.terms_of,
             *first.stretches_of,

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_at, fit_hypothesis
-from armodal.analyzer.gap.search.rivals import STEPS
+from armodal.analyzer.gap.search.rivals import PATIENCE, STEPS
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["HiddenSize"]
@@ -100,6 +100,7 @@ class HiddenSize:
                 max_iterations=steps,
                 closing=False,
                 target_cost=target_cost,
+                is_hopeless=lambda f: f.cost - PATIENCE * f.promised > target_cost,
             )
         except np.linalg.LinAlgError:  # so large that nothing holds the arm
             return False

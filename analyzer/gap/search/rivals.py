@@ -19,6 +19,7 @@ from armodal.analyzer.gap.inference.fit import (
     best_starting_point,
     fit_hypothesis,
 )
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.beginnings import LEADING, promising_beginnings
 from armodal.analyzer.gap.search.candidates import (
@@ -42,7 +43,68 @@ STEPS, MOST_STEPS = 3, 28  # of a fit until it is asked whether to go on, and in
 PATIENCE, _BESIDE = 3.0, 25.0
 
 Progress = Callable[[str], None]
+
+
+class _Race:
+    """Fits on one stage: each goes on only while it may still come beside the best so far.
+
+    `behind`: evidence beyond which a fit is of no use whatever others reach.
+    """
+
+    def __init__(self, stage: Stage, behind: float = float("inf")) -> None:
+        self.stage = stage
+        self._behind = behind
+
+    def is_hopeless(self, fit: Fit) -> bool:
+        """Whether several times what its quadratic promises leaves a fit behind."""
+        return fit.evidence - PATIENCE * fit.promised > self._behind
+
+    def fit(
+        self,
+        hypothesis: Hypothesis,
+        *,
+        start: Mapping[str, float] | None = None,
+        resumed: Fit | None = None,
+    ) -> Fit:
+        """Some steps of a fit."""
+        return self.met(
+            fit_hypothesis(
+                self.stage,
+                hypothesis,
+                start=start,
+                resumed=resumed,
+                max_iterations=STEPS,
+                is_hopeless=self.is_hopeless,
+            )
+        )
+
+    def further(self, fit: Fit) -> Fit:
+        """Some steps more, where it has not ended on these lines."""
+        if fit.converged and fit.on is not None and fit.on[0] is self.stage:
+            return self.met(fit)
+        return self.fit(fit.hypothesis, resumed=fit)
+
+    def to_its_end(self, fit: Fit) -> Fit:
+        """Some steps more at a time, until it ends or is hopeless."""
+        for _ in range(0, MOST_STEPS, STEPS):
+            further = self.further(fit)
+            if further is fit or further.converged or self.is_hopeless(further):
+                return further
+            fit = further
+        return fit
+
+    def is_in_reach(self, base: Fit, promised: float) -> bool:
+        """Whether several times what is promised about a fit would not leave it behind."""
+        return base.evidence - PATIENCE * promised < self._behind
+
+    def met(self, fit: Fit) -> Fit:
+        """A fit that others are set beside from now on."""
+        self._behind = min(self._behind, fit.evidence + _BESIDE)
+        return fit
+
+
 NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
+Limit = Callable[[Fit, str], float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,6 +136,7 @@ def find_rivals(
     present: Hypothesis,
     needs_more: NeedsMore,
     *,
+    limit: Limit = lambda *_: 0.0,
     start: Mapping[str, float] | None = None,
     fitted: Fit | None = None,
     without: Collection[tuple[str, str]] = (),
@@ -89,6 +152,9 @@ def find_rivals(
     needs_more
         Whether a search that begins where nothing is fitted yet is worth its time, by the present
         fit and the first steps of what promises most beside it.
+    limit
+        Nats that an effect needs beside a fit, by its name: where nothing else tells that more is
+        needed, what promises far less is not begun.
     start
         Where its effects begin.
     fitted
@@ -112,10 +178,27 @@ def find_rivals(
     looked = all_candidates(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
-    promising = [c for c in looked if c.gain > LOOK][: _kept(len(stages) - 2)]
-    near = [_begun(sharp, base[-1], c, start) for c in promising]
-    finals = _hopeful([*near, *_from_beginnings(stages[-2:], base[-2], without)])
-    if needs_more(base[-1], finals):
+    races = {stage: _Race(stage) for stage in stages}
+    # What ends no better than the model without it has no name.
+    race = races[sharp] = _Race(sharp, behind=base[-1].evidence)
+
+    def near(is_wanted: Callable[[Instance, float], bool]) -> list[Fit]:
+        promising = [c for c in looked if c.gain > LOOK and is_wanted(c.instance, c.gain)]
+        begun = [
+            _begun(race, base[-1], c, start, choose_on=stages[1])
+            for c in promising[: _kept(len(stages) - 2)]
+        ]
+        return [*begun, *_from_beginnings(races, stages[-2:], base[-2], without, is_wanted)]
+
+    def reaches_its_limit(instance: Instance, gain: float) -> bool:
+        return PATIENCE * gain > limit(base[-1], instance.effect.name)
+
+    finals: list[Fit] = []
+    is_more = needs_more(base[-1], ())
+    if not is_more:
+        finals = _hopeful(near(reaches_its_limit))
+        is_more = needs_more(base[-1], finals)
+    if is_more:
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
             anew = annealed(stages, present, _only_effects(present, start))[-1]
@@ -124,14 +207,18 @@ def find_rivals(
                     stages,
                     present,
                     needs_more,
+                    limit=limit,
                     start=start,
                     fitted=anew,
                     without=without,
                     tell=tell,
                     afresh=False,
                 )
-        finals = _each_minimum([*finals, *_far(stages, base, present, start, without, tell)])
-        finals = [*finals, *_alternatives(sharp, finals[:LEADING])]
+        far = _far(races, base, present, start, without, tell)
+        # Where much is left they come after: most are hopeless beside what the wide lines led to.
+        finals = finals or near(lambda _, gain: race.is_in_reach(base[-1], gain))
+        finals = _each_minimum([*finals, *far])
+        finals = [*finals, *_alternatives(race, finals[:LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
         finals = [*finals, *fitted_laws(sharp, base[-1], leading, STEPS, tell)]
         finals = _each_minimum([f for f in finals if f.last.key not in without])
@@ -140,7 +227,7 @@ def find_rivals(
     ended: list[Fit] = []
     for fit in going_on:
         tell(f"fitted on the finest lines: {fit.hypothesis.name}")
-        ended.append(_while_hopeful(sharp, fit, ended))
+        ended.append(race.to_its_end(fit))
     return Rivals(
         present=base[-1],
         rivals=tuple(_one_each(ended)),
@@ -171,7 +258,7 @@ def _kept(stage: int) -> int:
 
 
 def _far(
-    stages: Sequence[Stage],
+    races: Mapping[Stage, _Race],
     base: Sequence[Fit],
     present: Hypothesis,
     start: Mapping[str, float],
@@ -179,7 +266,7 @@ def _far(
     tell: Progress,
 ) -> list[Fit]:
     """What wide lines lead to, whatever the sharp fit made of it."""
-    widest = stages[0]
+    widest, *sharper = races
     # Ordinary errors begin anew: they may have taken on what is missing.
     begin = {**start, **_only_effects(present, base[-1].values)}
     unfitted = fit_hypothesis(widest, present, start=begin, max_iterations=0)
@@ -188,21 +275,28 @@ def _far(
         looked = all_candidates(widest, about, begin, from_start=about is unfitted, without=without)
         pool += [(c.gain, about, c) for c in looked]
     tell(f"{len(pool)} candidates fitted on wide lines")
+    race = races[widest]
     fits = _each_minimum(
-        [_begun(widest, unfitted, c, begin, also=about) for about, c in _chosen(pool, _KEPT)]
+        [_begun(race, unfitted, c, begin, also=about) for about, c in _chosen(pool, _KEPT)]
     )
-    for number, stage in enumerate(stages[1:], 1):
-        fits = [*fits, *_alternatives(stages[number - 1], fits[:LEADING])]
+    for number, stage in enumerate(sharper, 1):
+        fits = [*fits, *_alternatives(race, fits[:LEADING])]
         fits = _hopeful([f for f in fits if f.last.key not in without])[: _kept(number)]
         if not fits:
             return []
         tell(f"{len(fits)} candidates fitted on sharper lines, first: {fits[0].hypothesis.name}")
-        fits = _hopeful([_further(stage, f) for f in fits])
+        race = races[stage]
+        leading, *others = fits
+        fits = _hopeful([race.to_its_end(leading), *(race.further(f) for f in others)])
     return fits
 
 
 def _from_beginnings(
-    stages: Sequence[Stage], base: Fit, without: Collection[tuple[str, str]]
+    races: Mapping[Stage, _Race],
+    stages: Sequence[Stage],
+    base: Fit,
+    without: Collection[tuple[str, str]],
+    is_wanted: Callable[[Instance, float], bool],
 ) -> list[Fit]:
     """Fits on middle lines, begun on sharp ones, of what only its own beginnings tell."""
     middle, sharp = stages
@@ -212,12 +306,13 @@ def _from_beginnings(
     for instance, beginnings in looked[:LEADING]:
         richer = replace(base.hypothesis, instances=(*base.hypothesis.instances, instance))
         # What promises most may lead back to none, and the next one not.
-        begun = [begin for gain, begin in beginnings[:LEADING] if gain > LOOK]
-        near += [fit_hypothesis(middle, richer, start=begin) for begin in begun]
-    return [
-        fit_hypothesis(sharp, fit.hypothesis, start=fit.values, max_iterations=STEPS)
-        for fit in _one_each(near)
-    ]
+        begun = [
+            begin
+            for gain, begin in beginnings[:LEADING]
+            if gain > LOOK and is_wanted(instance, gain)
+        ]
+        near += [races[middle].to_its_end(races[middle].fit(richer, start=b)) for b in begun]
+    return [races[sharp].fit(fit.hypothesis, resumed=fit) for fit in _hopeful(near)]
 
 
 def _only_effects(present: Hypothesis, values: Mapping[str, float]) -> dict[str, float]:
@@ -238,12 +333,13 @@ def _chosen(pool: Sequence[tuple[float, Fit, Candidate]], most: int) -> list[tup
 
 
 def _begun(
-    stage: Stage,
+    race: _Race,
     about: Fit,
     candidate: Candidate,
     start: Mapping[str, float],
     *,
     also: Fit | None = None,
+    choose_on: Stage | None = None,
 ) -> Fit:
     """Some steps of a candidate from the best of its beginnings; on wide lines from its own too.
 
@@ -262,10 +358,10 @@ def _begun(
         if candidate.instance.initial_values is not None:
             starting_points += candidate.instance.initial_values(base)
         starting_points += _of_every_size(base, candidate)
-    best = best_starting_point(stage, richer, starting_points)
-    fits = [fit_hypothesis(stage, richer, start=best, max_iterations=STEPS)]
+    best = best_starting_point(choose_on or race.stage, richer, starting_points)
+    fits = [race.fit(richer, start=best)]
     if also is not None and best is not values:
-        fits.append(fit_hypothesis(stage, richer, start=values, max_iterations=STEPS))
+        fits.append(race.fit(richer, start=values))
     return min(fits, key=lambda fit: fit.evidence)
 
 
@@ -300,7 +396,7 @@ def _part_of_the_way(
     return start
 
 
-def _alternatives(stage: Stage, fits: Sequence[Fit]) -> list[Fit]:
+def _alternatives(race: _Race, fits: Sequence[Fit]) -> list[Fit]:
     """What leading fits may stand for."""
     found = []
     for fit in fits:
@@ -311,7 +407,7 @@ def _alternatives(stage: Stage, fits: Sequence[Fit]) -> list[Fit]:
         for instance, begin in last.alternatives(fit.values):
             if goes_with(instance, rest) and all(instance.key != i.key for i in others):
                 richer = replace(rest, instances=(*others, instance))
-                found.append(fit_hypothesis(stage, richer, start=begin, max_iterations=STEPS))
+                found.append(race.fit(richer, start=begin))
     return found
 
 
@@ -348,21 +444,3 @@ def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
     """One of each effect, place and minimum, by evidence, that may still come beside the best."""
     each = _each_minimum(fits)
     return [f for f in each if f.evidence - PATIENCE * f.promised < each[0].evidence + _BESIDE]
-
-
-def _further(stage: Stage, fit: Fit) -> Fit:
-    if fit.converged and fit.on is not None and fit.on[0] is stage:
-        return fit
-    return fit_hypothesis(stage, fit.hypothesis, resumed=fit, max_iterations=STEPS)
-
-
-def _while_hopeful(stage: Stage, fit: Fit, others: Sequence[Fit]) -> Fit:
-    """Some steps more at a time, while they could still bring a fit beside the best of others."""
-    best = min((f.evidence for f in others), default=float("inf"))
-    for _ in range(0, MOST_STEPS, STEPS):
-        further = _further(stage, fit)
-        hopeless = further.evidence - PATIENCE * further.promised > best + _BESIDE
-        if further is fit or further.converged or hopeless:
-            return further
-        fit = further
-    return fit

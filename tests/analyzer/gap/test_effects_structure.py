@@ -257,3 +257,22 @@ def test_a_damper_resists_the_rate_of_its_length(superset, ordinary, lines, pose
     np.testing.assert_allclose(
         (more - less)[:elastic, :elastic], want, atol=1e-5 * np.abs(want).max()
     )
+
+
+def test_a_link_may_give_way_in_its_middle_alone_or_at_one_end(ordinary, lines, posed):
+    """The whole yield stays what it is; the middle's bound is one hinge at half the length."""
+    instance = instance_of(ordinary, "link_bending", "lower_arm")
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+    start = start_of(hypothesis) | {instance.size: 1e-5}
+
+    def yields(**shape):
+        values = start | {f"bending {name} lower_arm": value for name, value in shape.items()}
+        return posed.system(hypothesis, lines, values).compliance[-6::2]
+
+    even = yields()
+    assert even == pytest.approx(np.full(3, even.mean()))
+    for shape in ({"middle": 9.0}, {"taper": 3.0}, {"taper": -3.0, "middle": 1.0}):
+        assert yields(**shape).sum() == pytest.approx(even.sum())
+    assert yields(middle=9.0)[1] / even.sum() == pytest.approx(1.0, abs=2.0 * np.exp(-9.0))
+    root, _, tip = yields(taper=3.0)
+    assert np.log(tip / root) == pytest.approx(3.0)

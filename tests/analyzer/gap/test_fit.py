@@ -108,3 +108,23 @@ def test_a_fit_that_small_steps_ended_still_promises_what_is_left():
     assert ended.promised < 1e-3 * stuck.promised
     assert not notes_on_its_end(ended)
     assert f"{stuck.promised:.1f} nats" in notes_on_its_end(stuck)[0]
+
+
+def test_a_fit_ends_where_it_is_hopeless():
+    rng = np.random.default_rng(4)
+    J, r = rng.standard_normal((50, 3)), 20.0 * rng.standard_normal(50)
+    stage = Residuals(lambda x: np.sinh(J @ x) - r, lambda x: np.cosh(J @ x)[:, None] * J)
+    model = hypothesis_of(*(Parameter(name=f"p{i}", unit="", mean=0.0, std=1.0) for i in range(3)))
+    whole = fit_hypothesis(stage, model)
+    asked = []
+
+    def after_two(fit):
+        asked.append((fit.cost, fit.promised))
+        return len(asked) == 3
+
+    part = fit_hypothesis(stage, model, is_hopeless=after_two)
+    assert (part.n_iterations, part.cost) == (2, asked[-1][0])
+    assert not part.converged
+    assert whole.cost < part.cost < asked[0][0]
+    # The slope is that where it ended: what it promises there is what was asked of.
+    assert part.promised == pytest.approx(asked[-1][1], rel=1e-12)

@@ -117,3 +117,31 @@ def test_of_several_minima_the_one_that_is_ahead_after_some_steps_may_be_the_wor
     monkeypatch.setattr(rivals, "others_beside", lambda _: [])
     found = find_rivals(STAGES, NAMED, lambda *_: False, start={})
     assert [one.cost for one in found.rivals] == ([20.0] if separate else [50.0])
+
+
+def test_what_cannot_come_beside_the_best_is_left_where_it_stands(monkeypatch):
+    """Nor what ends no better than the model without it; what still promises enough goes on."""
+    asked = []
+
+    def fitted(_stage, hypothesis, *, is_hopeless=None, **_):
+        if hypothesis is NAMED:
+            return fit(100.0)
+        asked.append(is_hopeless)
+        return made_fit(hypothesis, cost=20.0, space=Space([]), u=[])
+
+    looked = [
+        Candidate(instance=Instance(effect=hit_direction.WORDS, place=place), gain=50.0)
+        for place in "qr"
+    ]
+    monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
+    monkeypatch.setattr(rivals, "fit_hypothesis", fitted)
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+    find_rivals(STAGES, NAMED, lambda *_: False, start={})
+    first, *_ = asked
+    # 25 nats beside the best, which is at 20; a slope of 6 promises 18, three times that 54.
+    assert not first(on_the_way(NAMED, 0.0, 44.0, 0.0))
+    assert first(on_the_way(NAMED, 0.0, 46.0, 0.0))
+    assert not first(on_the_way(NAMED, 0.0, 98.0, 6.0))
+    assert first(on_the_way(NAMED, 0.0, 100.0, 6.0))
