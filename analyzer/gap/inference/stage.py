@@ -24,6 +24,7 @@ __all__ = ["Stage", "models_of"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
+_KEPT = 2  # selections of postures whose last solutions are kept
 _TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
 
@@ -67,6 +68,7 @@ class Stage:
             )
             for p, i in rows:
                 places[p] = found[i]
+        self._groups.clear()  # the other takes its place: what was solved on this one is let go
         return Stage(
             self._superset, self.lines, self._discrepancy, models=self.models, places=places
         )
@@ -75,6 +77,8 @@ class Stage:
         """Return postures, all if none are given, in groups that are solved together."""
         used = tuple(range(len(self.lines)) if postures is None else postures)
         if used not in self._groups:
+            if len(self._groups) == _KEPT:
+                del self._groups[next(iter(self._groups))]
             alike: dict[tuple[object, ...], list[int]] = {}
             for p in used:
                 alike.setdefault(Postures.likeness(self.lines[p]), []).append(p)

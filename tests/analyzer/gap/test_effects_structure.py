@@ -14,7 +14,7 @@ from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Pieces, spatial_inertia
 from armodal.analyzer.gap.model.geometry import GeometryNear, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.long_links import LongLink, long_links, reach_m
+from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links, reach_m
 from armodal.hil_sim.study import study_arm
 
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
@@ -102,7 +102,7 @@ def test_wound_wrist_gears_are_a_stiff_spring_on_both_turns(superset, ordinary, 
 
 
 def test_slices_bend_as_a_cantilever_and_twist_as_a_tube():
-    """Tip force: L^3 / 3 EI (1 - 1 / 4 n^2), n = 3; tip moment: L / GJ."""
+    """Tip force: L^3 / 3 EI (1 - 1 / 4 n^2); tip moment: L / GJ."""
     along, length, stiffness = np.array([0.0, 0.6, 0.8]), 0.4, 5e4
     line = LongLink(link=0, name="l", along=along, length_m=length)
     across = np.array([1.0, 0.0, 0.0])
@@ -115,7 +115,7 @@ def test_slices_bend_as_a_cantilever_and_twist_as_a_tube():
         bends += part * (at_tip @ force) ** 2
     for _, twist in line.twists([along]):
         turns += part * (twist[3:] @ along) ** 2
-    assert bends == pytest.approx(length**3 / (3 * stiffness) * (1 - 1 / 36))
+    assert bends == pytest.approx(length**3 / (3 * stiffness) * (1 - 1 / (4 * SLICES**2)))
     assert turns == pytest.approx(length / stiffness)
 
 
@@ -143,15 +143,15 @@ def test_the_line_of_an_arm_with_offsets_is_its_tube():
 
 
 def test_under_an_even_moment_points_follow_a_beam_s_parabola(ordinary, lines, posed):
-    """Three hinges that yield alike: at s the link turns by kappa s and moves by kappa s^2 / 2."""
+    """Hinges that yield alike: at s the link turns by kappa s and moves by kappa s^2 / 2."""
     instance = instance_of(ordinary, "link_bending", "lower_arm")
     hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
     values = start_of(hypothesis) | {instance.size: 1e-5}
     system = posed.system(hypothesis, lines, values)
     line = next(x for x in long_links(ordinary.superset) if x.name == "lower_arm")
-    one_way = system.moved[..., -6::2].sum(axis=-1)  # (m, 3): a unit at each of three hinges
-    turned = system.turned[..., -6::2].sum(axis=-1)
-    kappa, checked = 3.0 / line.length_m, 0
+    one_way = system.moved[..., -2 * SLICES :: 2].sum(axis=-1)  # (m, 3): a unit at each hinge
+    turned = system.turned[..., -2 * SLICES :: 2].sum(axis=-1)
+    kappa, checked = SLICES / line.length_m, 0
     for m, point in enumerate(ordinary.arm.points):
         off = point.position_m - (point.position_m @ line.along) * line.along - line.start_m
         s = float(point.position_m @ line.along)
@@ -173,18 +173,18 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
     system = posed.system(hypothesis, lines, values)
     line = next(x for x in long_links(ordinary.superset) if x.name == "lower_arm")
     n = system.moved.shape[-1]
-    hinges = range(n - 6, n)  # three places, two ways
+    hinges = range(n - 2 * SLICES, n)  # two ways at each place
     for m, point in enumerate(ordinary.arm.points):
         if point.link != "lower_arm":
             continue
         at = float(point.position_m @ line.along)
         for k in hinges:
             moves = bool(np.any(system.moved[m, :, k] != 0.0))
-            # A hinge stands for a stretch of a third, from whose start on points move.
-            assert moves == (at > (k - hinges.start) // 2 * line.length_m / 3.0)
+            # A hinge stands for a stretch, from whose start on points move.
+            assert moves == (at > (k - hinges.start) // 2 * line.length_m / SLICES)
     pieces = system.pieces[1]
-    still = ~pieces.motion[..., n - 6 :].any(axis=1)  # (pieces, hinges)
-    np.testing.assert_array_equal(still.sum(axis=0), [1, 1, 2, 2, 3, 3])
+    still = ~pieces.motion[..., hinges.start :].any(axis=1)  # (pieces, hinges)
+    np.testing.assert_array_equal(still.sum(axis=0), np.repeat(np.arange(1, SLICES + 1), 2))
     np.testing.assert_allclose(pieces.split(INERTIA).sum(axis=0), INERTIA, atol=1e-12)
 
 
@@ -267,12 +267,13 @@ def test_a_link_may_give_way_in_its_middle_alone_or_at_one_end(ordinary, lines, 
 
     def yields(**shape):
         values = start | {f"bending {name} lower_arm": value for name, value in shape.items()}
-        return posed.system(hypothesis, lines, values).compliance[-6::2]
+        return posed.system(hypothesis, lines, values).compliance[-2 * SLICES :: 2]
 
     even = yields()
-    assert even == pytest.approx(np.full(3, even.mean()))
+    assert even == pytest.approx(np.full(SLICES, even.mean()))
     for shape in ({"middle": 9.0}, {"taper": 3.0}, {"taper": -3.0, "middle": 1.0}):
         assert yields(**shape).sum() == pytest.approx(even.sum())
-    assert yields(middle=9.0)[1] / even.sum() == pytest.approx(1.0, abs=2.0 * np.exp(-9.0))
-    root, _, tip = yields(taper=3.0)
+    # What is nearest to the middle is half as far from it as the ends: twice exp(-9 / 2) of it.
+    assert yields(middle=9.0)[SLICES // 2] / even.sum() == pytest.approx(1.0, abs=0.025)
+    root, *_, tip = yields(taper=3.0)
     assert np.log(tip / root) == pytest.approx(3.0)
