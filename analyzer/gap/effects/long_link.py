@@ -11,6 +11,7 @@ import scipy.special
 from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
@@ -24,6 +25,7 @@ _SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread ov
 # Where along it a link gives way: ln of its softness at the tip over that at the root, and at the
 # middle over that of the ends.
 _TAPER_STD, _MIDDLE_STD = 1.5, 1.5
+_ASIDE_STD_M = 0.03  # of the line it gives way along, across it
 _START = 0.03  # of the size's deviation: from zero a first step misleads
 
 
@@ -38,22 +40,26 @@ def given_way(
 ) -> Instance:
     """A link whose compliance about each direction is spread over its length, 1/EI or 1/GJ.
 
-    Castings taper, and flanges stiffen their ends: how much of it is where is a parameter. The
-    link's mass is in pieces between the hinges, spread evenly over a part of its length about
-    its centre, as far as its own inertia allows; points turn with the stretch they stand on.
+    Castings taper, and flanges stiffen their ends: how much of it is where is a parameter. So is
+    where the line stands: drives and covers draw the centre of mass aside. The link's mass is in
+    pieces between the hinges, spread evenly over a part of its length about its centre, as far as
+    its own inertia allows; points turn with the stretch they stand on.
     """
     gamma, loss, spread, taper, middle = (
         f"{word} {what} {line.name}" for what in ("compliance", "loss", "spread", "taper", "middle")
     )
+    aside = [f"{word} aside {letter} {line.name}" for letter in "ab"]
     columns = ordinary.superset.interface_columns(line.link)
     part = line.length_m / SLICES
     hinges = []
     for number, (s, twist) in enumerate(line.twists(directions)):
-        column = np.zeros(ordinary.superset.n)
+        column, by_aside = np.zeros(ordinary.superset.n), np.zeros((2, ordinary.superset.n))
         column[columns] = twist
+        levers = np.cross(across(line.along).T, twist[3:])
+        by_aside[:, columns] = np.hstack([levers, np.zeros((2, 3))])
         stretch = s - 0.5 * part, s + 0.5 * part
         before = 1 + number // len(directions)
-        hinges.append((column, line.inside(ordinary.superset, *stretch, before)))
+        hinges.append((column, by_aside, line.inside(ordinary.superset, *stretch, before)))
     edges = np.array([0.0, *line.places_m, line.length_m])
     shares = np.diff(edges) / line.length_m
     middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
@@ -66,11 +72,12 @@ def given_way(
         offsets = min(values[spread], most) * apart
         assembly.pieces.setdefault(line.link, (shares, offsets))
         parts, by_shape = _parts(values[taper], values[middle])
-        for number, (column, inside) in enumerate(hinges):
+        off = np.array([values[name] for name in aside])
+        for number, (column, by_aside, inside) in enumerate(hinges):
             where = number // len(directions)
             slopes = line.length_m * by_shape[:, where]
             at = assembly.add_compliance(
-                column,
+                column + off @ by_aside,
                 values[gamma],
                 values[loss],
                 gamma,
@@ -79,6 +86,8 @@ def given_way(
                 part_slopes=dict(zip((taper, middle), slopes.tolist(), strict=True)),
             )
             assembly.inside[at] = inside
+            for name, moved in zip(aside, by_aside, strict=True):
+                assembly.motion_of.setdefault(name, []).append((at, moved))
 
     size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 
@@ -94,11 +103,12 @@ def given_way(
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
             Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD),
             Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD),
+            *(Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD_M) for name in aside),
         ),
         builder=build,
         initial_values=starting_points,
         size=gamma,
-        shapes=(spread, taper, middle),
+        shapes=(spread, taper, middle, *aside),
         pieces=f"hinges {line.name}",
         material=material * ordinary.scale(line.link) / line.length_m,
     )
