@@ -1,11 +1,11 @@
 """Rivals for what the present hypothesis does not explain: one search for all effects.
 
-Every effect at every place is looked at linearly, where the present hypothesis stands and where
-nothing is fitted yet. Where something is to be explained the most promising are fitted on the
-widest lines, from their several beginnings; the better part of them goes on to sharper lines,
-beside what each may stand for, until a few are fitted on the finest lines. On wide lines nearly
-every start finds its way, and a fit there costs a fifth of one on sharp lines; so as many are kept
-as cost about the same at every stage.
+Every effect at every place is looked at linearly, where the present hypothesis stands. Where
+something is to be explained the most promising are fitted on the widest lines, from their several
+beginnings; the better part of them goes on to sharper lines, beside what each may stand for, until
+a few are fitted on the finest lines. On wide lines nearly every start finds its way, and a fit
+there costs a fifth of one on sharp lines; so as many are kept as cost about the same at every
+stage. On each stage a fit goes on only while it may still come beside the best.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def find_rivals(
     stages
         Widest, broad, middle and sharp lines of the same postures.
     needs_more
-        Whether a search that begins where nothing is fitted yet is worth its time, by the present
+        Whether a search that begins on wide lines is worth its time, by the present
         fit and the first steps of what promises most beside it.
     limit
         Nats that an effect needs beside a fit, by its name: where nothing else tells that more is
@@ -267,17 +267,13 @@ def _far(
 ) -> list[Fit]:
     """What wide lines lead to, whatever the sharp fit made of it."""
     widest, *sharper = races
-    # Ordinary errors begin anew: they may have taken on what is missing.
+    # Ordinary errors may begin anew: they may have taken on what is missing.
     begin = {**start, **_only_effects(present, base[-1].values)}
-    unfitted = fit_hypothesis(widest, present, start=begin, max_iterations=0)
-    pool: list[tuple[float, Fit, Candidate]] = []
-    for about in (unfitted, base[0]):
-        looked = all_candidates(widest, about, begin, from_start=about is unfitted, without=without)
-        pool += [(c.gain, about, c) for c in looked]
-    tell(f"{len(pool)} candidates fitted on wide lines")
+    looked = all_candidates(widest, base[0], begin, from_start=True, without=without)
+    tell(f"{len(looked)} candidates fitted on wide lines")
     race = races[widest]
     fits = _each_minimum(
-        [_begun(race, unfitted, c, begin, also=about) for about, c in _chosen(pool, _KEPT)]
+        [_begun(race, base[0], c, begin, own_too=True) for c in _chosen(looked, _KEPT)]
     )
     for number, stage in enumerate(sharper, 1):
         fits = [*fits, *_alternatives(race, fits[:LEADING])]
@@ -320,14 +316,14 @@ def _only_effects(present: Hypothesis, values: Mapping[str, float]) -> dict[str,
     return {name: value for name, value in values.items() if name in own}
 
 
-def _chosen(pool: Sequence[tuple[float, Fit, Candidate]], most: int) -> list[tuple[Fit, Candidate]]:
+def _chosen(looked: Sequence[Candidate], most: int) -> list[Candidate]:
     """The best place of every effect, then the best of all."""
     kinds: set[tuple[str, bool]] = set()
-    first: list[tuple[Fit, Candidate]] = []
-    rest: list[tuple[Fit, Candidate]] = []
-    for _, about, c in sorted(pool, key=lambda entry: -entry[0]):
+    first: list[Candidate] = []
+    rest: list[Candidate] = []
+    for c in sorted(looked, key=lambda c: -c.gain):
         kind = c.instance.effect.name, bool(c.instance.relaxes)
-        (rest if kind in kinds else first).append((about, c))
+        (rest if kind in kinds else first).append(c)
         kinds.add(kind)
     return [*first, *rest][: max(most, len(first))]
 
@@ -338,7 +334,7 @@ def _begun(
     candidate: Candidate,
     start: Mapping[str, float],
     *,
-    also: Fit | None = None,
+    own_too: bool = False,
     choose_on: Stage | None = None,
 ) -> Fit:
     """Some steps of a candidate from the best of its beginnings; on wide lines from its own too.
@@ -350,17 +346,14 @@ def _begun(
     richer = replace(present, instances=(*present.instances, candidate.instance))
     values = about.values
     starting_points: list[Mapping[str, float]] = [values, start]
-    if also is not None and also is not about:
-        starting_points.append(also.values)
-    for base in [values] if also is None else [values, also.values]:
-        if candidate.begin:
-            starting_points += [_part_of_the_way(base, candidate, part) for part in _PARTS]
-        if candidate.instance.initial_values is not None:
-            starting_points += candidate.instance.initial_values(base)
-        starting_points += _of_every_size(base, candidate)
+    if candidate.begin:
+        starting_points += [_part_of_the_way(values, candidate, part) for part in _PARTS]
+    if candidate.instance.initial_values is not None:
+        starting_points += candidate.instance.initial_values(values)
+    starting_points += _of_every_size(values, candidate)
     best = best_starting_point(choose_on or race.stage, richer, starting_points)
     fits = [race.fit(richer, start=best)]
-    if also is not None and best is not values:
+    if own_too and best is not values:
         fits.append(race.fit(richer, start=values))
     return min(fits, key=lambda fit: fit.evidence)
 
