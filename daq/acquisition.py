@@ -197,7 +197,9 @@ def _run(
         loop.note(said, clock.now_s())
     for said in contradicted:
         loop.note(f"{CALIBRATION}{said}; confirmed by the operator", clock.now_s())
-    # What is there now stays to the end: the collector need not look at it again and again.
+    # What is there now stays to the end: the collector need not look at it again and again. What an
+    # earlier session of this process left out, and nobody holds any more, goes first.
+    gc.unfreeze()
     gc.collect()
     gc.freeze()
     cpu_before_s = time.process_time()

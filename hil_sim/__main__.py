@@ -6,13 +6,16 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 from armodal.hil_sim.arm_in_cell import arm_in_cell
 from armodal.hil_sim.cell import BlowT
 from armodal.hil_sim.faults import Fault
+from armodal.hil_sim.hand import Blow
 from armodal.hil_sim.lab_process import LabOptions, LabProcess
+from armodal.hil_sim.orphan import ends_with_stdin
 from armodal.hil_sim.plant import load_plant
 from armodal.hil_sim.rehearsal import read_rehearsal
 from armodal.hil_sim.rehearsed_plant import draw_plant
@@ -61,19 +64,24 @@ def run(laboratory: LabProcess[BlowT], *, watch_stdin: bool) -> None:
     laboratory.serve(watch_stdin=watch_stdin)
 
 
+def _made(given: argparse.Namespace) -> LabProcess[Blow]:
+    options = options_of(given)
+    if given.rehearsal is None:
+        arm = arm_in_cell(load_plant(given.plant), seed=given.seed)
+    else:
+        wanted = read_rehearsal(given.rehearsal)
+        plant, effects = draw_plant(wanted, given.seed)
+        arm = arm_in_cell(plant, seed=given.seed, can=wanted.arm.can)
+        options = replace(options, sealed=True, effects=tuple(effects))
+    return LabProcess(arm, options)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the laboratory; exit code 2 for what the caller got wrong."""
     given = parse(arguments)
     try:
-        options = options_of(given)
-        if given.rehearsal is None:
-            arm = arm_in_cell(load_plant(given.plant), seed=given.seed)
-        else:
-            wanted = read_rehearsal(given.rehearsal)
-            plant, effects = draw_plant(wanted, given.seed)
-            arm = arm_in_cell(plant, seed=given.seed, can=wanted.arm.can)
-            options = replace(options, sealed=True, effects=tuple(effects))
-        laboratory = LabProcess(arm, options)
+        with ends_with_stdin() if given.watch_stdin else nullcontext():
+            laboratory = _made(given)
     except (ArmodalError, ValueError, OSError) as error:
         sys.stderr.write(f"hil_sim: {error}\n")
         return 2

@@ -47,19 +47,42 @@ class FrequencyResponse:
     What other programs did not tell of FRFs they averaged is NaN in `coherence`, 0 in `variance`
     and 0 in `n_hits`. An FRF that was not measured, such as a driving point where a sensor was in
     the way, is 0 in `values`, infinite in `variance`, NaN in `coherence` and 0 in `n_hits`.
+
+    Attributes
+    ----------
+    posture : str
+        Its name.
+    form : FrfForm
+        Response over force: receptance m/N, mobility m/(N s) or accelerance m/(N s²).
+    freq_hz : (n_freq,) array
+        Lines, increasing and above 0.
+    decay_rad_s : float
+        Real part of the lines, rad/s; 0 without an exponential window.
+    values : (n_resp, n_ref, n_freq) complex array
+        In the unit of `form`.
+    coherence : (n_resp, n_ref, n_freq) array
+        0 to 1.
+    variance : (n_resp, n_ref, n_freq) array
+        Expected square of the error of `values`, in the unit of `form` squared.
+    n_hits : (n_resp, n_ref) int array
+        How many hits were averaged.
+    responses, references : tuple of Dof
+        Point and direction (base frame, as measured) of each row and of each column.
+    joints_rad : (n_joints,) array or None
+        Joint angles as measured; None: not told.
     """
 
     posture: str
     form: FrfForm
-    freq_hz: npt.NDArray[np.float64]  # (n_freq,), increasing, > 0
+    freq_hz: npt.NDArray[np.float64]
     decay_rad_s: float
-    values: npt.NDArray[np.complex128]  # (n_resp, n_ref, n_freq)
-    coherence: npt.NDArray[np.float64]  # (n_resp, n_ref, n_freq)
-    variance: npt.NDArray[np.float64]  # (n_resp, n_ref, n_freq): E|error of values|^2
-    n_hits: npt.NDArray[np.int64]  # (n_resp, n_ref)
+    values: npt.NDArray[np.complex128]
+    coherence: npt.NDArray[np.float64]
+    variance: npt.NDArray[np.float64]
+    n_hits: npt.NDArray[np.int64]
     responses: tuple[Dof, ...]
     references: tuple[Dof, ...]
-    joints_rad: npt.NDArray[np.float64] | None  # (n_joints,) as measured
+    joints_rad: npt.NDArray[np.float64] | None
 
     @property
     def measured(self) -> npt.NDArray[np.bool_]:

@@ -1,6 +1,8 @@
 """What `armodal` offers to scripts does what the commands do."""
 
-from dataclasses import replace
+import inspect
+import re
+from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import plotly.graph_objects as go
@@ -11,6 +13,20 @@ from support.gap_results import made_result
 
 import armodal
 from armodal.analyzer.gap.records import PostureGap
+
+RECORDS = [
+    own
+    for own in (getattr(armodal, name) for name in armodal.__all__)
+    if isinstance(own, type) and is_dataclass(own)
+]
+
+
+@pytest.mark.parametrize("record", RECORDS, ids=lambda record: record.__name__)
+def test_every_attribute_of_a_record_is_described(record):
+    said = inspect.getdoc(record).partition("Attributes\n----------\n")[2]
+    names = re.findall(r"^([\w, ]+) : .+\n    \S", said, re.MULTILINE)
+    described = [name for line in names for name in line.split(", ")]
+    assert described == [field.name for field in fields(record)]
 
 
 def test_a_session_becomes_frfs_and_modes(session, tmp_path):

@@ -77,6 +77,7 @@ OF_ALL = {
         "tests/analyzer/gap/test_priors_have_sources.py",
         "tests/test_truth_stays_hidden.py",
         "tests/hil_sim/test_study.py",
+        "tests/hil_sim/test_of_file.py",
     ),
 }
 SHOWN = {page.stem: files_shown(page.stem) for page in sorted(PAGES.glob("add-*.md"))}
@@ -134,6 +135,9 @@ def test_the_message_that_the_guide_shows_works_on_both_sides(copy):
     for name, change in changes_shown(page).items():
         before[name] = (copy / name).read_text(encoding="utf-8")
         (copy / name).write_text(changed(before[name], change), encoding="utf-8")
+        assert sum(line[0] == "+" for line in change.splitlines()) <= LONGEST
+    assert len(before) <= 2
+    assert len(files) <= 2
     for name, text in files.items():
         (copy / name).write_text(text, encoding="utf-8")
     try:

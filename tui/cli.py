@@ -149,9 +149,26 @@ def _armodal(
     raise typer.Exit(journey.go_from(import_module("armodal.tui.screens.wishes").GoHome()))
 
 
+def _refuse_line_ends() -> None:
+    """What is told of a name with a line end would seem to be said by armodal.
+
+    Raises
+    ------
+    SessionError
+        If an argument has one.
+    """
+    for given in sys.argv[1:]:
+        if "\n" in given:
+            raise SessionError(
+                f"wanted arguments of one line each, got '{printable(given, keep='')}'; rename the "
+                "file"
+            )
+
+
 def main() -> None:
     """Run the command line: a user's mistake is one message and exit code 2."""
     try:
+        _refuse_line_ends()
         app(prog_name="armodal", standalone_mode=True)
     except ArmodalError as error:
         err.print(f"armodal: {error}")

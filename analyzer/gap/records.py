@@ -182,10 +182,49 @@ class NextTest:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GapResult:
-    """The verdict and everything it stands on."""
+    """The verdict and everything it stands on.
+
+    Attributes
+    ----------
+    verdict : Verdict
+        What was concluded.
+    summary : str
+        One sentence for the head of the laboratory.
+    effects : tuple of EffectFound
+        What was named, with sizes, evidence and remedy.
+    rivals : tuple of RivalRow
+        Those of the last step, best first.
+    hidden : tuple of Hidden
+        How large each other effect may be and still not be seen, 95 %.
+    joint_stiffness_ranges : tuple of StiffnessRange
+        k of each joint over all that still may be so, N m/rad.
+    gap_before, gap_after : tuple of PostureGap
+        Distance of model and measurement, posture by posture: of the plain model, and with
+        what was named.
+    where : tuple of Disagreement
+        By posture, point, axis and band; 1 is what scatter and allowance explain.
+    interface : str
+        Where along the chain the model departs, in words.
+    gates : tuple of Gate
+        What the checks without a model said.
+    notes : tuple of str
+        What a person must know beside.
+    misfit_per_line : float
+        chi² per real residual of the last model; about 0.5 where all is in it.
+    next_test : NextTest or None
+        The test that would tell most about what is still open.
+    false_name_probability : float or None
+        Of all names together; None: nothing is named.
+    confidence : float or None
+        In all names together, 0 to 1; None: nothing is named.
+    calibration : Calibrated or None
+        Limits of evidence, from replicas of the session; None: none were made.
+    misfit : Misfit or None
+        `misfit_per_line` beside what replicas leave; None: none were made.
+    """
 
     verdict: Verdict
-    summary: str  # one sentence for the lab head
+    summary: str
     effects: tuple[EffectFound, ...]
     rivals: tuple[RivalRow, ...]
     hidden: tuple[Hidden, ...]
@@ -193,14 +232,12 @@ class GapResult:
     gap_before: tuple[PostureGap, ...]
     gap_after: tuple[PostureGap, ...]
     where: tuple[Disagreement, ...]
-    interface: str  # where along the chain the model departs, in words
+    interface: str
     gates: tuple[Gate, ...]
     notes: tuple[str, ...]
-    misfit_per_line: (
-        float  # chi^2 per real residual of the last model; about 0.5 where all is in it
-    )
+    misfit_per_line: float
     next_test: NextTest | None = None
-    false_name_probability: float | None = None  # of all names together; None: nothing is named
-    confidence: float | None = None  # in all names together
+    false_name_probability: float | None = None
+    confidence: float | None = None
     calibration: Calibrated | None = None
     misfit: Misfit | None = None

@@ -24,11 +24,25 @@ __all__ = ["Prediction", "predict_posture"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Prediction:
-    """Modes of one posture, no sensor on the arm, with both kinds of uncertainty."""
+    """Modes of one posture, no sensor on the arm, with both kinds of uncertainty.
+
+    Attributes
+    ----------
+    arm : Arm
+        That was predicted.
+    posture_deg : tuple of float
+        Joint angles, degrees.
+    freedoms : tuple of str
+        Joints, then structural axes, then what effects let give way.
+    predicted : PredictedModes
+        Modes (Hz, damping ratio, shapes over `freedoms`), deviations by the fit's covariance.
+    from_tolerances : ModelScatter
+        Their deviations by the arm's tolerances.
+    """
 
     arm: Arm
     posture_deg: tuple[float, ...]
-    freedoms: tuple[str, ...]  # joints, then structural axes, then what effects let give way
+    freedoms: tuple[str, ...]
     predicted: PredictedModes
     from_tolerances: ModelScatter
 

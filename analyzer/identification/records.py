@@ -138,15 +138,39 @@ class ValidationResult:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
-    """Everything the identification found."""
+    """Everything the identification found.
+
+    Attributes
+    ----------
+    joints : tuple of JointResult
+        k (N m/rad) and c (N m s/rad) of each elastic joint, with deviations.
+    axes : tuple of AxisResult
+        Structural compliance axes inside links, in the link's frame.
+    modes : tuple of ModeResult
+        Measured modes and what moves in each.
+    validation : tuple of ValidationResult
+        Modes predicted for postures that were not fitted, beside those measured.
+    rivals : tuple of (str, float)
+        Where an axis was tried, and the cost of the fit, half the weighted sum of squares.
+    fit : FrfFit
+        The fit of the whole model to the FRFs.
+    model_moves : tuple of ModelMove
+        What the arm's tolerances do to the fit.
+    modal_models : tuple of ModalModel
+        One a posture.
+    frfs : tuple of FrequencyResponse
+        What was fitted, one a posture.
+    notes : tuple of str
+        What a person must know beside.
+    """
 
     joints: tuple[JointResult, ...]
     axes: tuple[AxisResult, ...]
     modes: tuple[ModeResult, ...]
     validation: tuple[ValidationResult, ...]
-    rivals: tuple[tuple[str, float], ...]  # where an axis was tried, and the fit's cost
+    rivals: tuple[tuple[str, float], ...]
     fit: FrfFit
-    model_moves: tuple[ModelMove, ...]  # what the arm's tolerances do to the fit
+    model_moves: tuple[ModelMove, ...]
     modal_models: tuple[ModalModel, ...]
     frfs: tuple[FrequencyResponse, ...]
     notes: tuple[str, ...]

@@ -25,6 +25,41 @@ class Mode:
     The mode's receptance is shape participation^T / (s - pole) plus its conjugate. `shape` is
     turned so that its best line is real and scaled to a largest magnitude of 1; `participation`
     carries the rest, in m/(N s).
+
+    Attributes
+    ----------
+    pole_rad_s : complex
+        Upper half plane, rad/s; the decay of the lines is taken off.
+    f_hz, f_std_hz : float
+        Magnitude of the pole over 2 pi, and its standard deviation.
+    damping_ratio, damping_std : float
+        Of the critical damping, 1 being all of it, and its standard deviation.
+    shape : (n_resp,) complex array
+        Of the responses, in their directions; no unit.
+    shape_std : (n_resp,) complex array
+        Deviation of the real part, + j that of the imaginary part.
+    participation : (n_ref,) complex array
+        Of the references, m/(N s).
+    participation_std : (n_ref,) complex array
+        As `shape_std`, on its own best line, m/(N s).
+    residue_std : float
+        Of the largest residue's magnitude, relative: the size that both share.
+    mpc : float
+        Modal phase collinearity, 0 to 1.
+    mpd_deg : float
+        Mean phase deviation, degrees.
+    mcf : float
+        Modal complexity factor, 0 to 1.
+    dof : float
+        Student-t degrees of freedom of the deviations of frequency and damping.
+    shape_dof : float
+        Those of shape and participation; most of their scatter is the lines'.
+    stability : float
+        Share of the model orders at which the pole was seen.
+    significance : float
+        Rise of the misfit without the mode, over what noise alone would give.
+    drift : ModeDrift or None
+        Where the resonance moves from mounting to mounting; None: it does not.
     """
 
     pole_rad_s: complex
@@ -32,19 +67,19 @@ class Mode:
     f_std_hz: float
     damping_ratio: float
     damping_std: float
-    shape: npt.NDArray[np.complex128]  # (n_resp,)
-    shape_std: npt.NDArray[np.complex128]  # (n_resp,) of the real part + j of the imaginary part
-    participation: npt.NDArray[np.complex128]  # (n_ref,)
-    participation_std: npt.NDArray[np.complex128]  # (n_ref,) alike, on its own best line
-    residue_std: float  # of the largest residue's magnitude, relative: the size both share
+    shape: npt.NDArray[np.complex128]
+    shape_std: npt.NDArray[np.complex128]
+    participation: npt.NDArray[np.complex128]
+    participation_std: npt.NDArray[np.complex128]
+    residue_std: float
     mpc: float
     mpd_deg: float
     mcf: float
-    dof: float  # Student-t degrees of freedom of the standard deviations of f and damping
-    shape_dof: float  # those of shape and participation: most of their scatter is the lines'
-    stability: float  # share of the model orders at which the pole was seen
-    significance: float  # rise of the misfit without the mode, over what noise alone would give
-    drift: ModeDrift | None = None  # where its resonance moves from mounting to mounting
+    dof: float
+    shape_dof: float
+    stability: float
+    significance: float
+    drift: ModeDrift | None = None
 
     @property
     def residues(self) -> npt.NDArray[np.complex128]:
@@ -60,27 +95,66 @@ class ModalModel:
     d = 0, 1, 2 for receptance, mobility, accelerance: modes below the band, their damping and
     the damping of those above, modes above the band. Behind them stand those of Re and Im of the
     residue of each background pole, which is no mode.
+
+    Attributes
+    ----------
+    posture : str
+        Its name.
+    form : FrfForm
+        Of the FRFs that were fitted.
+    band_hz : (float, float)
+        Of the fit.
+    modes : tuple of Mode
+        By rising frequency.
+    background_rad_s : (n_background,) complex array
+        Poles that are no modes.
+    residual_terms : (n_resp, n_ref, 3 + 2 n_background) array
+        See above.
+    covariance : (2 n, 2 n) array
+        Of (f_1, zeta_1, f_2, ...), Hz and 1.
+    robust_covariance : bool
+        Whether it is from the scatter between points; else from the variances of lines.
+    synthesis_error : float
+        RMS misfit over RMS of all FRFs in the band.
+    frf_error : (n_resp, n_ref) array
+        The same of each FRF; NaN: not measured.
+    frac : (n_resp, n_ref) array
+        Likeness of each FRF and its synthesis, 0 to 1; NaN: not measured.
+    lack_of_fit : float
+        Weighted misfit per degree of freedom; 1 where noise explains it.
+    responses, references : tuple of Dof
+        Point and direction (base frame) of each row and of each column.
+    joints_rad : (n_joints,) array or None
+        Joint angles as measured; None: not told.
+    stabilisation : Stabilisation
+        Poles over model orders.
+    mountings : tuple of str
+        What was measured at once: points of the longer side.
+    mounting : (n_resp, n_ref) int array
+        Of each FRF, from 0.
+    notes : tuple of str
+        What a person must know of the lines and peaks.
     """
 
     posture: str
     form: FrfForm
     band_hz: tuple[float, float]
     modes: tuple[Mode, ...]
-    background_rad_s: npt.NDArray[np.complex128]  # (n_background,)
-    residual_terms: npt.NDArray[np.float64]  # (n_resp, n_ref, 3 + 2 n_background)
-    covariance: npt.NDArray[np.float64]  # (2 n, 2 n) of (f_1, zeta_1, f_2, ...), Hz and 1
-    robust_covariance: bool  # from the scatter between points; False: from line variances
-    synthesis_error: float  # RMS misfit over RMS of all FRFs in the band
-    frf_error: npt.NDArray[np.float64]  # (n_resp, n_ref), the same per FRF; NaN: not measured
-    frac: npt.NDArray[np.float64]  # (n_resp, n_ref) likeness of each FRF and its synthesis, alike
-    lack_of_fit: float  # weighted misfit per degree of freedom; 1 when noise explains it
+    background_rad_s: npt.NDArray[np.complex128]
+    residual_terms: npt.NDArray[np.float64]
+    covariance: npt.NDArray[np.float64]
+    robust_covariance: bool
+    synthesis_error: float
+    frf_error: npt.NDArray[np.float64]
+    frac: npt.NDArray[np.float64]
+    lack_of_fit: float
     responses: tuple[Dof, ...]
     references: tuple[Dof, ...]
     joints_rad: npt.NDArray[np.float64] | None
     stabilisation: Stabilisation
-    mountings: tuple[str, ...]  # what was measured at once: points of the longer side
-    mounting: npt.NDArray[np.int64]  # (n_resp, n_ref) of each FRF, from 0
-    notes: tuple[str, ...]  # what a person must know of the lines and peaks
+    mountings: tuple[str, ...]
+    mounting: npt.NDArray[np.int64]
+    notes: tuple[str, ...]
 
     @property
     def f_hz(self) -> npt.NDArray[np.float64]:

@@ -37,17 +37,39 @@ _N_LOOKED = 400  # random postures of which the free ones tell the arm's scale
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MadePlan:
-    """A plan with everything that is to be known before it is run."""
+    """A plan with everything that is to be known before it is run.
+
+    Attributes
+    ----------
+    plan : SelectivePlan
+        Tests with posture, point and direction of the hits, and what each tells.
+    text : str
+        A plan file, `docs/plan-file.md`.
+    equipment : Chosen
+        Hammer, accelerometer, hits (N, s) and trigger level (N).
+    legs : tuple of Leg
+        Ways from each posture to the next, joint angles in rad.
+    minutes : float
+        Duration of all tests.
+    mountings : int
+        Of a sensor, in all tests.
+    inertia_std : (n,) array
+        Relative deviation of the k of each elastic joint by the arm's tolerances alone.
+    touching : tuple of str
+        Pairs of bodies that meet in all postures, which are not checked.
+    by_capsules : bool
+        Whether capsules stand for links of which nothing is drawn.
+    """
 
     plan: SelectivePlan
     text: str
     equipment: Chosen
     legs: tuple[Leg, ...]
     minutes: float
-    mountings: int  # of a sensor, in all tests
-    inertia_std: Array  # (n,) relative, of each elastic joint's k, by the arm's tolerances alone
-    touching: tuple[str, ...]  # pairs of bodies that meet in all postures, not checked
-    by_capsules: bool  # whether capsules stand for links of which nothing is drawn
+    mountings: int
+    inertia_std: Array
+    touching: tuple[str, ...]
+    by_capsules: bool
 
 
 def made_plan(

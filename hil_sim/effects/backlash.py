@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.file_law import swing_of
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.elements import Gap
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["Backlash"]
+__all__ = ["OF_FILE", "Backlash"]
 
 
 class Backlash(BaseEffect):
@@ -36,3 +39,17 @@ class Backlash(BaseEffect):
                 load=-self.part * terms.load[self.joint],
             )
         )
+
+
+def _of_file(own: FileEffect) -> Twin:
+    """A part of the spring holds nothing over a play; the weight lays it to one side."""
+    table = {
+        "kind": "backlash",
+        "joint": own.joint.name,
+        "half_rad": swing_of(own) * float(np.exp(own.sizes["ln_half_play"])),
+        "part": min(own.sizes["play"], 1.0),
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"backlash": _of_file}

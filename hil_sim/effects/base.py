@@ -10,10 +10,17 @@ from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Inertial, Segment, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.newton_euler import Body
 from armodal.hil_sim.truth import Positive, Truth, Vector
 
-__all__ = ["Base", "BaseSpring"]
+__all__ = ["OF_FILE", "Base", "BaseSpring"]
+
+_RADII_2_M2 = (
+    0.01,
+    0.01,
+    0.015,
+)  # of gyration, squared, where a file tells none: a plate of some 0.2 m
 
 WAYS = ("shift_x", "shift_y", "shift_z", "rock_x", "rock_y", "rock_z")
 
@@ -81,3 +88,28 @@ class Base(BaseEffect):
             segments=(*segments, *assembly.segments),
             carrier={**assembly.carrier, "base": segments[-1].label},
         )
+
+
+def _of_file(own: FileEffect) -> Twin:
+    mass = max(own.sizes["mass"], 1e-3)
+    xx, yy, zz = (mass * radius for radius in _RADII_2_M2)
+    ways = [way for way in WAYS if own.sizes[way] > 0.0]
+    table = {
+        "kind": "base",
+        "pivot_m": (0.0, 0.0, own.sizes.get("pivot", 0.0)),
+        "mass_kg": mass,
+        "center_m": (0.0, 0.0, own.sizes.get("height", 0.0)),
+        "inertia_kg_m2": (xx, 0.0, 0.0, yy, 0.0, zz),
+        "springs": tuple(
+            {
+                "way": way,
+                "stiffness": 1.0 / own.sizes[way],
+                "damping": own.loss_s / own.sizes[way],
+            }
+            for way in ways
+        ),
+    }
+    return Twin(tables=[table], replaces=[("base", "")])
+
+
+OF_FILE = {"base": _of_file}

@@ -9,8 +9,9 @@ from pydantic import Field
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
 
-__all__ = ["Bearing", "across"]
+__all__ = ["OF_FILE", "Bearing", "across"]
 
 
 def across(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -43,3 +44,28 @@ class Bearing(BaseEffect):
             assembly = assembly.split(at, label, hinge_m=np.zeros(3), axis=direction, spring=spring)
             at = label
         return assembly
+
+
+def _of_file(own: FileEffect) -> Twin:
+    """Two hinges through the joint; in place of the weak ones that every joint has."""
+    joint, link, told = own.joint, own.joint.link.name, own.effect.description
+    if "direction_a" in told:
+        sides = [three(told[f"direction_{side}"]) for side in "ab"]
+    else:
+        sides = list(across(np.asarray(joint.axis)))
+    tables = [
+        {
+            "kind": "link_axis",
+            "link": link,
+            "name": f"bearing {side} of the file at {joint.name}",
+            "direction": tuple(own.turned[link] @ direction),
+            "point_m": (0.0, 0.0, 0.0),
+        }
+        | own.spring(f"bearing_{side}")
+        for side, direction in zip("ab", sides, strict=True)
+        if own.sizes[f"bearing_{side}"] > 0.0
+    ]
+    return Twin(tables=tables, replaces=[("bearing", joint.name)])
+
+
+OF_FILE = {"bearing": _of_file}

@@ -6,10 +6,11 @@ from typing import Literal
 
 from armodal.hil_sim.assembly import Assembly
 from armodal.hil_sim.effects.bearing import across
-from armodal.hil_sim.effects.sliced_link import SlicedLink
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.sliced_link import SlicedLink, slices_of_file
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["Bending"]
+__all__ = ["OF_FILE", "Bending"]
 
 
 class Bending(SlicedLink):
@@ -24,3 +25,10 @@ class Bending(SlicedLink):
     def assemble(self, assembly: Assembly) -> Assembly:
         """Cut the link across its line, again and again."""
         return self.hinged(assembly, self.bending_stiffness_n_m2, across(self.along), "bend")
+
+
+def _of_file(own: FileEffect) -> Twin:
+    return slices_of_file(own, "bending", "bending_stiffness_n_m2")
+
+
+OF_FILE = {"link_bending": _of_file}

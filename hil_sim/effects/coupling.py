@@ -8,10 +8,11 @@ import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.linear import LinearTerms
 from armodal.protocols.errors import PlantError
 
-__all__ = ["Coupling"]
+__all__ = ["OF_FILE", "Coupling"]
 
 
 class Coupling(BaseEffect):
@@ -45,3 +46,21 @@ class Coupling(BaseEffect):
                     "between two joints and smaller than the geometric mean of their own; "
                     "correct the plant file"
                 )
+
+
+def _of_file(own: FileEffect) -> Twin:
+    """Its sizes are parts of the geometric mean of both joints' springs and dampers in the file."""
+    k, c = (
+        float(np.sqrt(np.prod([1.0 if e is None else e.value for e in pair])))
+        for pair in zip(*((j.stiffness, j.damping) for j in own.joints), strict=True)
+    )
+    table = {
+        "kind": "coupling",
+        "joints": tuple(joint.name for joint in own.joints),
+        "cross_stiffness_n_m_per_rad": own.sizes["coupling"] * k,
+        "cross_damping_n_m_s_per_rad": own.sizes.get("coupling_loss", 0.0) * c,
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"coupling": _of_file}

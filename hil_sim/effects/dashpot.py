@@ -7,11 +7,12 @@ from typing import Literal
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive, Vector
 from armodal.protocols.errors import PlantError
 
-__all__ = ["Dashpot"]
+__all__ = ["OF_FILE", "Dashpot"]
 
 
 class Dashpot(BaseEffect):
@@ -45,3 +46,19 @@ class Dashpot(BaseEffect):
             )
         row = (end - start) / length @ (v_end - v_start)
         terms.spring(row[None, :], 0.0, self.damping_n_s_per_m)
+
+
+def _of_file(own: FileEffect) -> Twin:
+    start, _, end = own.effect.place.partition(" and ")
+    table = {
+        "kind": "dashpot",
+        "from_link": start,
+        "from_m": tuple(own.vector("damper_from", "base" if start == "floor" else start)),
+        "to_link": end,
+        "to_m": tuple(own.vector("damper_to", end)),
+        "damping_n_s_per_m": own.sizes["damper"],
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"nonproportional": _of_file}

@@ -8,10 +8,11 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.sensing import CHANNELS, Sensing
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["Delay"]
+__all__ = ["OF_FILE", "Delay"]
 
 
 class Delay(BaseEffect):
@@ -30,3 +31,6 @@ class Delay(BaseEffect):
         for channel in set(self.channels):
             later[CHANNELS.index(channel)] += self.delay_s
         return replace(sensing, delay_s=(later[0], later[1], later[2], later[3]))
+
+
+OF_FILE = {"delay": of_the_test}

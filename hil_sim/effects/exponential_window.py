@@ -8,9 +8,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.sensing import Sensing
 
-__all__ = ["ExponentialWindow"]
+__all__ = ["OF_FILE", "ExponentialWindow"]
 
 
 class ExponentialWindow(BaseEffect):
@@ -22,3 +23,6 @@ class ExponentialWindow(BaseEffect):
     def sense(self, sensing: Sensing) -> Sensing:
         """Let it fall further."""
         return replace(sensing, window_end=sensing.window_end * self.end)
+
+
+OF_FILE = {"exponential_window": of_the_test}

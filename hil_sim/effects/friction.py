@@ -8,11 +8,16 @@ import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.file_law import spring_of, swing_of
+from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
 from armodal.hil_sim.elements import Sliders
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["Friction"]
+__all__ = ["OF_FILE", "Friction"]
+
+_SLIDERS = 8  # of a seat that slips little by little
+_CREEPS = 1.0  # 1/s: less is none within the second that a hit rings
 
 
 class Friction(BaseEffect):
@@ -41,3 +46,34 @@ class Friction(BaseEffect):
                 limit=self.limit_n_m * rising,
             )
         )
+
+
+def _friction(own: FileEffect) -> Twin:
+    """A slider behind a spring (Jenkins)."""
+    swing_of(own)
+    if own.sizes.get("creep", 0.0) > _CREEPS:
+        raise Unlike("friction that creeps")
+    table = {
+        "kind": "friction",
+        "joint": own.joint.name,
+        "limit_n_m": own.sizes["limit"],
+        "stiffness_n_m_per_rad": float(np.exp(own.sizes["ln_presliding"])) * spring_of(own),
+    }
+    return Twin(tables=[table])
+
+
+def _microslip(own: FileEffect) -> Twin:
+    """Sliders that slip one after the other, evenly up to a turn (Iwan 1966)."""
+    k = own.sizes["seat"] * spring_of(own)
+    turn = swing_of(own) * float(np.exp(own.sizes["ln_seat_slips"]))
+    table = {
+        "kind": "friction",
+        "joint": own.joint.name,
+        "limit_n_m": 0.5 * k * turn,
+        "stiffness_n_m_per_rad": k,
+        "elements": _SLIDERS,
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"friction": _friction, "microslip": _microslip}

@@ -9,10 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect, with_point_matrix
+from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.sensing import Sensing
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["ChannelGain", "HammerGain"]
+__all__ = ["OF_FILE", "ChannelGain", "HammerGain"]
 
 
 class ChannelGain(BaseEffect):
@@ -40,3 +41,6 @@ class HammerGain(BaseEffect):
     def sense(self, sensing: Sensing) -> Sensing:
         """Scale the force."""
         return replace(sensing, hammer_gain=sensing.hammer_gain * self.factor)
+
+
+OF_FILE = {"channel_gain": of_the_test, "hammer_gain": of_the_test}

@@ -9,10 +9,14 @@ import numpy.typing as npt
 from pydantic import model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.file_law import spring_of
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
-__all__ = ["GravityCompensator", "lever_arms"]
+__all__ = ["OF_FILE", "GravityCompensator", "lever_arms"]
+
+_EYE_M = 0.2  # of the shorter lever of a cylinder of the file; its stiffness goes with it
 
 Array = npt.NDArray[np.float64]
 
@@ -70,3 +74,32 @@ class GravityCompensator(BaseEffect):
         terms.K[i, i] += self.stiffness_n_per_m * first**2 + tension * second
         terms.C[i, i] += self.damping_n_s_per_m * first**2
         terms.load[self.joint] += tension * first
+
+
+def _of_file(own: FileEffect) -> Twin:
+    """A cylinder without tension that is as stiff about the joint in every posture.
+
+    The file has its stiffness where it is square to the shorter lever, over the joint's; the
+    levers' ratio; and the angle between them while the joint stands at zero.
+    """
+    joint = own.joint
+    axis = own.turned[joint.link.name] @ np.asarray(joint.axis)
+    ratio = float(np.exp(own.sizes["compensator_ln_ratio"]))
+    angle = own.sizes["compensator_angle"]
+    eye_m = _EYE_M / min(1.0, ratio)
+    across = np.linalg.svd(axis[None])[2][1]
+    turned = np.cos(angle) * across - np.sin(angle) * np.cross(axis, across)
+    k = own.sizes["compensator_stiffness"] * spring_of(own) / _EYE_M**2
+    table = {
+        "kind": "gravity_compensator",
+        "joint": joint.name,
+        "anchor_m": tuple(ratio * eye_m * turned),
+        "eye_m": tuple(eye_m * across),
+        "tension_n": 0.0,
+        "stiffness_n_per_m": k,
+        "damping_n_s_per_m": own.sizes.get("compensator_loss", 0.0) * k,
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"gravity_compensator": _of_file}

@@ -8,11 +8,12 @@ from typing import Literal
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.newton_euler import rotation
 from armodal.hil_sim.sensing import Sensing
 from armodal.hil_sim.truth import Vector
 
-__all__ = ["HitDirection"]
+__all__ = ["OF_FILE", "HitDirection"]
 
 
 class HitDirection(BaseEffect):
@@ -28,3 +29,6 @@ class HitDirection(BaseEffect):
         if angle == 0.0:
             return sensing
         return replace(sensing, hit_turn=rotation(turn / angle, angle) @ sensing.hit_turn)
+
+
+OF_FILE = {"hit_direction": of_the_test}

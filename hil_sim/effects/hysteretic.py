@@ -10,10 +10,11 @@ import scipy
 from pydantic import Field, model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.linear import LinearTerms, MaxwellElement
 from armodal.hil_sim.truth import Interval, Positive
 
-__all__ = ["Hysteretic"]
+__all__ = ["OF_FILE", "Hysteretic"]
 
 Array = npt.NDArray[np.float64]
 
@@ -76,3 +77,24 @@ class Hysteretic(BaseEffect):
                         row=row, k=self.loss_factor * k * float(strength), rate_rad_s=float(rate)
                     )
                 )
+
+
+def _of_file(own: FileEffect) -> Twin:
+    names = [joint.name for joint in own.arm.joints]
+    losses = {name: own.sizes.get(f"loss_{name}", 0.0) for name in names}
+    tables = [
+        {
+            "kind": "hysteretic",
+            "joints": (name,),
+            "loss_factor": min(loss, 0.3),
+            "reference_hz": 30.0,  # at which the file's stiffness is meant
+        }
+        for name, loss in losses.items()
+        if loss > 0.0
+    ]
+    logarithms = {name: own.sizes.get(f"ln_c_{name}") for name in names}
+    damping = {name: float(np.exp(ln_c)) for name, ln_c in logarithms.items() if ln_c is not None}
+    return Twin(tables=tables, replaces=[("hysteretic", "")], damping=damping)
+
+
+OF_FILE = {"hysteretic": _of_file}

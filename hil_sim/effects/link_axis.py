@@ -9,9 +9,10 @@ from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
-__all__ = ["LinkAxis"]
+__all__ = ["OF_FILE", "LinkAxis"]
 
 
 class LinkAxis(BaseEffect):
@@ -47,3 +48,22 @@ class LinkAxis(BaseEffect):
             after=mass.share(1.0 - self.mass_before),
             points_before=self.points_before,
         )
+
+
+def _of_file(own: FileEffect) -> Twin:
+    told = own.effect.description
+    link = str(told["link"])
+    before = str(told.get("points_before", "")).split()
+    table = {
+        "kind": "link_axis",
+        "link": link,
+        "name": f"axis of the file in {link}",
+        "direction": tuple(own.turned[link] @ three(told["direction"])),
+        "point_m": tuple(own.turned[link] @ three(told["point_m"])),
+        "mass_before": own.sizes.get("axis_mass_before", 0.0) if before else 0.0,
+        "points_before": tuple(before),
+    }
+    return Twin(tables=[table | own.spring("axis_compliance", "axis_loss")])
+
+
+OF_FILE = {"link_axis": _of_file}

@@ -9,9 +9,10 @@ from pydantic import Field
 
 from armodal.hil_sim.assembly import Assembly, Inertial
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.truth import Positive, Vector
 
-__all__ = ["Payload"]
+__all__ = ["OF_FILE", "Payload"]
 
 
 class Payload(BaseEffect):
@@ -35,3 +36,22 @@ class Payload(BaseEffect):
         )
         segment = assembly.carrier_of(self.link)
         return assembly.replaced(segment.loaded(segment.inertial().joined(extra)))
+
+
+def _of_file(own: FileEffect) -> Twin:
+    """Its moments are about the link's centre."""
+    place, mass = own.effect.place, own.sizes["payload"]
+    center = next(j.link.center_m for j in own.arm.joints if j.link.name == place)
+    moment = own.vector("payload_moment", place)
+    inertia = mass * own.sizes.get("payload_radius_of_gyration", 0.0) ** 2
+    table = {
+        "kind": "payload",
+        "link": place,
+        "mass_kg": mass,
+        "center_m": tuple(own.turned[place] @ center + moment / mass),
+        "inertia_kg_m2": (inertia, 0.0, 0.0, inertia, 0.0, inertia),
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"payload": _of_file}

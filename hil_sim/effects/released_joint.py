@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.truth import NotNegative, Positive
 
-__all__ = ["ReleasedJoint"]
+__all__ = ["OF_FILE", "ReleasedJoint"]
 
 
 class ReleasedJoint(BaseEffect):
@@ -24,3 +25,16 @@ class ReleasedJoint(BaseEffect):
         """Give the joint's hinge a spring."""
         spring = Spring(k=self.stiffness_n_m_per_rad, c=self.damping_n_m_s_per_rad)
         return assembly.replaced(replace(assembly.joint(self.joint), spring=spring))
+
+
+def released(joint: str, own: FileEffect) -> dict[str, Any]:
+    """Table of a joint with the compliance of an effect of the file."""
+    return {"kind": "released_joint", "joint": joint} | own.spring("compliance_of")
+
+
+def _of_file(own: FileEffect) -> Twin:
+    place = own.effect.place
+    return Twin(tables=[released(place, own)], replaces=[("released_joint", place)])
+
+
+OF_FILE = {"released_joint": _of_file}

@@ -8,10 +8,11 @@ import numpy as np
 from pydantic import model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import NotNegative, Positive
 
-__all__ = ["Rotor"]
+__all__ = ["OF_FILE", "Rotor"]
 
 
 class Rotor(BaseEffect):
@@ -66,3 +67,23 @@ class Rotor(BaseEffect):
         terms.M = terms.M + self.inertia_kg_m2 * (
             np.outer(row, row) + (np.outer(row, spin) + np.outer(spin, row)) / self.ratio
         )
+
+
+def _rotor(own: FileEffect) -> Twin:
+    table = {"kind": "rotor", "joint": own.effect.place, "inertia_kg_m2": own.sizes["rotor"]}
+    return Twin(tables=[table])
+
+
+def _servo(own: FileEffect) -> Twin:
+    spring = own.spring("servo_compliance", "servo_loss")
+    table = {
+        "kind": "rotor",
+        "joint": own.effect.place,
+        "inertia_kg_m2": own.sizes["servo_rotor"],
+        "servo_stiffness_n_m_per_rad": spring["stiffness_n_m_per_rad"],
+        "servo_damping_n_m_s_per_rad": spring["damping_n_m_s_per_rad"],
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"rotor": _rotor, "servo": _servo}

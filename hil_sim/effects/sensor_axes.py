@@ -8,9 +8,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect, with_point_matrix
+from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.sensing import Sensing
 
-__all__ = ["FlippedAxis", "SwappedAxes"]
+__all__ = ["OF_FILE", "FlippedAxis", "SwappedAxes"]
 
 Axis = Literal["x", "y", "z"]
 Points = Annotated[tuple[str, ...], Field(strict=False)]
@@ -50,3 +51,6 @@ class SwappedAxes(BaseEffect):
         i, j = ("xyz".index(axis) for axis in self.axes)
         order[i], order[j] = j, i
         return with_point_matrix(sensing, self.points, np.eye(3)[order])
+
+
+OF_FILE = {"flipped_axis": of_the_test, "swapped_axes": of_the_test}

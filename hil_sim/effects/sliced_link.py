@@ -10,10 +10,11 @@ from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.pieces import sliced
 from armodal.hil_sim.truth import NotNegative, Vector
 
-__all__ = ["SlicedLink"]
+__all__ = ["SlicedLink", "slices_of_file"]
 
 Array = npt.NDArray[np.float64]
 
@@ -51,3 +52,22 @@ class SlicedLink(BaseEffect):
         k = stiffness_n_m2 * self.cuts / float(np.linalg.norm(end - start))
         spring = Spring(k=k, c=k * self.loss)
         return sliced(assembly, self.link, (start, end), self.cuts, directions, spring, word)
+
+
+def slices_of_file(own: FileEffect, kind: str, stiffness: str) -> Twin:
+    """A link that bends or twists along the line to the next joint."""
+    names = [joint.link.name for joint in own.arm.joints]
+    link = own.effect.place
+    at = names.index(link)
+    if at + 1 == len(names):
+        raise KeyError("a joint behind it")
+    to = own.turned[link] @ np.asarray(own.arm.joints[at + 1].T_parent_joint[:3, 3])
+    table = {
+        "kind": kind,
+        "link": link,
+        "from_m": (0.0, 0.0, 0.0),
+        "to_m": tuple(to),
+        "loss": own.sizes.get(f"{kind}_loss", 0.0),
+        stiffness: 1.0 / own.sizes[f"{kind}_compliance"],
+    }
+    return Twin(tables=[table])

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.file_law import swing_of
+from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
 from armodal.hil_sim.elements import Softening as SofteningElement
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["Softening"]
+__all__ = ["OF_FILE", "Softening"]
 
 
 class Softening(BaseEffect):
@@ -31,3 +34,24 @@ class Softening(BaseEffect):
                 at=self.at_rad,
             )
         )
+
+
+def _of_file(own: FileEffect) -> Twin:
+    """Of p x³/(x² + a²) less: x - a' tanh(x/a') has its slope if a' = a/sqrt(3).
+
+    It is alike in its slope for small swings and in what large ones lose.
+    """
+    bend = float(np.exp(own.sizes["ln_bend"]))
+    part = own.sizes["softer"] * (1.0 + bend**2)
+    if not 0.0 < part < 1.0:
+        raise Unlike("joint that hardens, or loses more than its spring")
+    table = {
+        "kind": "softening",
+        "joint": own.joint.name,
+        "part": part,
+        "at_rad": bend * swing_of(own) / float(np.sqrt(3.0)),
+    }
+    return Twin(tables=[table])
+
+
+OF_FILE = {"softening": _of_file}

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Literal
 
 from armodal.hil_sim.assembly import Assembly
-from armodal.hil_sim.effects.sliced_link import SlicedLink
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.sliced_link import SlicedLink, slices_of_file
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["Torsion"]
+__all__ = ["OF_FILE", "Torsion"]
 
 
 class Torsion(SlicedLink):
@@ -20,3 +21,10 @@ class Torsion(SlicedLink):
     def assemble(self, assembly: Assembly) -> Assembly:
         """Cut the link along its line, again and again."""
         return self.hinged(assembly, self.torsional_stiffness_n_m2, (self.along,), "twist")
+
+
+def _of_file(own: FileEffect) -> Twin:
+    return slices_of_file(own, "torsion", "torsional_stiffness_n_m2")
+
+
+OF_FILE = {"link_torsion": _of_file}

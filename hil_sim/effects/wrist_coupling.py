@@ -7,10 +7,12 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.released_joint import released
 from armodal.hil_sim.linear import LinearTerms
 from armodal.protocols.errors import PlantError
 
-__all__ = ["WristCoupling"]
+__all__ = ["OF_FILE", "WristCoupling"]
 
 
 class WristCoupling(BaseEffect):
@@ -46,3 +48,17 @@ class WristCoupling(BaseEffect):
         terms.K = terms.K + spring.k * change
         terms.C = terms.C + spring.c * change
         terms.stretch[self.driven] = row
+
+
+def _of_file(own: FileEffect) -> Twin:
+    driver, driven = (joint.name for joint in own.joints)
+    gears = {
+        "kind": "wrist_coupling",
+        "driver": driver,
+        "driven": driven,
+        "ratio": own.sizes["wrist_ratio"],
+    }
+    return Twin(tables=[released(driven, own), gears], replaces=[("released_joint", driven)])
+
+
+OF_FILE = {"wrist_coupling": _of_file}

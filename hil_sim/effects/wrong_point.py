@@ -9,10 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.sensing import Sensing
 from armodal.hil_sim.truth import Vector
 
-__all__ = ["ExchangedPoints", "MovedPoint"]
+__all__ = ["OF_FILE", "ExchangedPoints", "MovedPoint"]
 
 
 class ExchangedPoints(BaseEffect):
@@ -37,3 +38,6 @@ class MovedPoint(BaseEffect):
     def sense(self, sensing: Sensing) -> Sensing:
         """Note the shift."""
         return replace(sensing, moved={**sensing.moved, self.point: np.array(self.by_m)})
+
+
+OF_FILE = {"wrong_point": of_the_test}

@@ -197,16 +197,16 @@ class KeepOutTable(FileModel):
 
 
 class TolerancesTable(FileModel):
-    """One standard deviation of what is only roughly known."""
+    """One standard deviation of what is only roughly known; a key that is left out is usual."""
 
-    mass: Relative
-    inertia: Relative
-    center_m: Annotated[float, Field(gt=0.0, le=1.0)]
-    encoder_offset_deg: SmallAngleDeg
-    sensor_tilt_deg: SmallAngleDeg
-    sensor_gain: Relative
-    hammer_gain: Relative
-    hit_direction_deg: SmallAngleDeg
+    mass: Relative = 0.05
+    inertia: Relative = 0.06
+    center_m: Annotated[float, Field(gt=0.0, le=1.0)] = 0.003
+    encoder_offset_deg: SmallAngleDeg = 0.15
+    sensor_tilt_deg: SmallAngleDeg = 0.9
+    sensor_gain: Relative = 0.011
+    hammer_gain: Relative = 0.02
+    hit_direction_deg: SmallAngleDeg = 1.4
     moving_mass: Relative | None = None
 
 
@@ -286,7 +286,7 @@ class ArmFile(FileModel):
     groups: Annotated[
         dict[Name, Annotated[list[str], Field(min_length=1)]], Field(max_length=100)
     ] = Field(default={})
-    tolerances: TolerancesTable
+    tolerances: TolerancesTable = Field(default_factory=TolerancesTable)
     can: CanSection | None = None
     effects: Annotated[list[EffectTable], Field(max_length=32)] = Field(default=[])
     history: Annotated[list[PastSessionTable], Field(max_length=256)] = Field(default=[])

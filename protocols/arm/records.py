@@ -194,21 +194,53 @@ class AddedEffect:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arm:
-    """A serial arm of revolute joints, as the user believes it to be."""
+    """A serial arm of revolute joints, as the user believes it to be.
+
+    Attributes
+    ----------
+    name : str
+        As sessions and plans refer to it.
+    source : str
+        Where the description comes from.
+    joints : tuple of Joint
+        From the base outwards, each with its link, range, stiffness and damping.
+    gravity_m_s2 : (3,) array
+        Acceleration of free fall, m/s², base frame.
+    points : tuple of Point
+        Test points, in the frames of their links.
+    groups : dict
+        Ids of points by the name of their group.
+    tolerances : Tolerances
+        One standard deviation of what is only roughly known.
+    can : CanMapping or None
+        Where the bus has the joint angles; None: the arm has no bus.
+    text : str
+        The arm file as read.
+    urdf_text : str or None
+        The URDF that it names, as read.
+    sha256 : str
+        Over both texts and the database of the bus.
+    effects : tuple of AddedEffect
+        What the plain model of links and joints lacks.
+    history : tuple of PastSession
+        Sessions that changed the file, oldest first.
+    keep_outs : tuple of KeepOut
+        Boxes that the arm stays out of, base frame.
+    """
 
     name: str
     source: str
     joints: tuple[Joint, ...]
-    gravity_m_s2: npt.NDArray[np.float64]  # (3,) base frame
+    gravity_m_s2: npt.NDArray[np.float64]
     points: tuple[Point, ...]
-    groups: dict[str, tuple[str, ...]]  # name -> point ids
+    groups: dict[str, tuple[str, ...]]
     tolerances: Tolerances
     can: CanMapping | None
-    text: str  # the arm file as read
-    urdf_text: str | None  # the URDF it names, as read
-    sha256: str  # over both texts and the database
+    text: str
+    urdf_text: str | None
+    sha256: str
     effects: tuple[AddedEffect, ...] = ()
-    history: tuple[PastSession, ...] = ()  # oldest first
+    history: tuple[PastSession, ...] = ()
     keep_outs: tuple[KeepOut, ...] = ()
 
     def inertial_std(self, joint: Joint) -> InertialStd:

@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.protocols.board.dictionary import encode_dictionary
-from armodal.protocols.board.records import BoardDictionary, BoardState
+from armodal.protocols.board.messages import encode_payload
+from armodal.protocols.board.records import BoardDictionary, BoardState, ReplyCode
 from armodal.protocols.c.library import device_library
 
 __all__ = ["DeviceBoard", "PortingLayer"]
@@ -34,6 +35,8 @@ class PortingLayer:
     ticks : the board's clock
     rate_refusal : why the converter does not make a rate in Hz; empty where it does
     start, stop : the converter
+    answer : to a command that the library does not know, by its type and payload: the record of its
+        answer, or None where the board does not know it either
     """
 
     send: Callable[[bytes], bool]
@@ -41,6 +44,7 @@ class PortingLayer:
     rate_refusal: Callable[[Fraction], str]
     start: Callable[[Fraction], None]
     stop: Callable[[], None]
+    answer: Callable[[int, bytes], object | None] = lambda _type, _payload: None
 
 
 class DeviceBoard:
@@ -111,6 +115,10 @@ class DeviceBoard:
             "rate": ("bool(void *, uint32_t, uint32_t, char *, size_t)", self._rate),
             "start": ("void(void *, uint32_t, uint32_t)", self._start),
             "stop": ("void(void *)", lambda _context: self._layer.stop()),
+            "command": (
+                "ab_code(void *, uint8_t, const uint8_t *, size_t, uint8_t *, char *, size_t)",
+                self._command,
+            ),
         }
         for name, (signature, function) in calls.items():
             callback = ffi.callback(signature, function, onerror=self._note_error)
@@ -130,6 +138,16 @@ class DeviceBoard:
 
     def _start(self, _context: Any, numerator: int, denominator: int) -> None:
         self._layer.start(Fraction(numerator, denominator))
+
+    def _command(
+        self, _context: Any, kind: int, payload: Any, n: int, answer: Any, _reason: Any, _size: int
+    ) -> int:
+        record = self._layer.answer(kind, bytes(self._ffi.buffer(payload, n)))
+        if record is None:
+            return ReplyCode.UNKNOWN_COMMAND
+        told = encode_payload(record)
+        self._ffi.memmove(answer, told, len(told))
+        return ReplyCode.OK
 
     def _note_error(
         self, _kind: type[BaseException], error: BaseException, _trace: TracebackType

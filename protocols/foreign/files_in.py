@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from armodal.protocols.errors import ForeignFileError
+from armodal.protocols.printable import printable
 
 __all__ = ["files_in"]
 
@@ -41,6 +42,12 @@ def _within(folder: Path) -> list[Path]:
             f"{folder}: wanted a folder of up to {_MOST_FILES} measured files, found {len(own)}; "
             "name the files themselves"
         )
+    for path in own:
+        if "\n" in path.name:
+            raise ForeignFileError(
+                f"{folder}: wanted names of files on one line, found "
+                f"'{printable(path.name, keep='')}'; rename it"
+            )
     return sorted(own, key=_by_number)
 
 

@@ -47,7 +47,7 @@ _LIMIT = 512 * 1024
 _UNIT_LENGTH = 1e-3  # a direction written with three decimals
 _MOST_FILES = 10_000
 
-PathText = Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]*$")]
+PathText = Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00\n]*$")]
 PointId = Annotated[str, Field(min_length=1, max_length=16)]
 Dof = Annotated[str, Field(min_length=1, max_length=20)]
 Form = Literal["receptance", "mobility", "accelerance"]

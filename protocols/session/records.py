@@ -98,12 +98,28 @@ class Session:
 
     `frfs` are FRF matrices that were given instead of hits, one a posture: averaged elsewhere
     and imported. A posture has either hits or such an FRF matrix.
+
+    Attributes
+    ----------
+    header : SessionHeader
+        Arm, plan, board and time, fixed when the session begins.
+    hits : tuple of Hit
+        In order of capture, accepted or not; counts (n_samples, n_channels), directions in the
+        base frame.
+    losses : tuple of Loss
+        What did not arrive, by kind and count.
+    complete : bool
+        Whether every planned point has its accepted hits.
+    warnings : tuple of str
+        Of reading the file.
+    frfs : tuple of FrequencyResponse
+        Given in place of hits.
     """
 
     header: SessionHeader
     hits: tuple[Hit, ...]
     losses: tuple[Loss, ...]
-    complete: bool  # every planned point has its accepted hits
+    complete: bool
     warnings: tuple[str, ...] = field(default=())
     frfs: tuple[FrequencyResponse, ...] = field(default=())
 

@@ -139,6 +139,16 @@ def test_the_laboratory_ends_when_its_parent_dies(tmp_path):
     assert not (tmp_path / "lab" / "operator.sock").exists()
 
 
+def test_a_laboratory_that_is_being_made_ends_with_its_parent(tmp_path):
+    making = (
+        "import sys, threading; import armodal.hil_sim.__main__ as program\n"
+        "program.load_plant = lambda _name: threading.Event().wait()\n"
+        "program.main(sys.argv[1:])"
+    )
+    command = [sys.executable, "-c", making, "--directory", str(tmp_path / "lab"), "--watch-stdin"]
+    assert subprocess.run(command, stdin=subprocess.DEVNULL, check=False).returncode == 1
+
+
 def _runs(pid):
     try:
         os.kill(pid, 0)

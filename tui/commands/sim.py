@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import Annotated
 
 import typer
@@ -70,6 +72,7 @@ def sim(
     if open_ledger is not None:
         show_truth(open_ledger, as_json=as_json)
         return
+    signal.signal(signal.SIGTERM, _leave)  # the laboratory ends with the command
     with (
         start_laboratory(
             _what(plant, arm, plan, hide),
@@ -105,6 +108,10 @@ def sim(
             lines_there = f"--board {ports['board']} --can {ports['can']}"
             say_next(f"run {plan or 'PLAN'}{of_arm} {lines_there}{speed}", "in another terminal")
         laboratory.wait()
+
+
+def _leave(number: int, _frame: FrameType | None) -> None:
+    raise SystemExit(128 + number)
 
 
 def _what(

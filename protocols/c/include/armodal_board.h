@@ -2,7 +2,8 @@
  * The device side of the armodal board protocol, version 1 (docs/board-protocol.md).
  *
  * Portable C99 without heap, threads or dependencies. A board supplies its buffers (ab_config)
- * and five functions (ab_port), and calls four functions from one place, its main loop:
+ * and five functions (ab_port; a sixth may be NULL), and calls four functions from one place, its
+ * main loop:
  *
  *     ab_receive   what came from the host
  *     ab_samples   what came from the converter
@@ -162,6 +163,13 @@ typedef struct {
     /* Start the converter at a rate that `rate` accepted, and stop it. */
     void (*start)(void *context, uint32_t numerator, uint32_t denominator);
     void (*stop)(void *context);
+
+    /* Carry out a command of the table of messages that the library does not; ab_read_... reads
+       its payload. AB_OK: the record of the answer was written at `answer` by ab_write_... Any
+       other code refuses, and `reason` says why, as that of `rate` does. NULL: the board has no
+       such command. */
+    ab_code (*command)(void *context, uint8_t type, const uint8_t *payload, size_t n,
+                       uint8_t *answer, char *reason, size_t size);
 } ab_port;
 
 /* A block in the buffer. */

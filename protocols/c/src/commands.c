@@ -133,6 +133,22 @@ static ab_code tell_status(const ab_board *board, uint8_t *answer)
     return AB_OK;
 }
 
+/* A command that only the board knows, where it knows one. */
+static ab_code ask_port(const ab_board *board, const ab_header *header, const uint8_t *payload,
+                        size_t n, uint8_t *answer, ab_text *reason)
+{
+    const ab_port *port = &board->config->port;
+    char words[AB_REASON_BYTES] = "";
+    ab_code code = AB_UNKNOWN_COMMAND;
+
+    if (port->command != NULL)
+        code = port->command(port->context, header->type, payload, n, answer, words, sizeof words);
+    if (code == AB_UNKNOWN_COMMAND && words[0] == '\0')
+        ab_text_add(reason, "no command of this type");
+    ab_text_add(reason, words);
+    return code;
+}
+
 /* Do what a command asks; the only list of commands here, all else is in the table of messages.
    A refusal writes its reason; what answers with a record writes it at `answer`. */
 static ab_code carry_out(ab_board *board, const ab_header *header, const uint8_t *payload,
@@ -161,8 +177,7 @@ static ab_code carry_out(ab_board *board, const ab_header *header, const uint8_t
     case AB_RELEASE:
         return release(board, payload, n, reason);
     default:
-        ab_text_add(reason, "no command of this type");
-        return AB_UNKNOWN_COMMAND;
+        return ask_port(board, header, payload, n, answer, reason);
     }
 }
 

@@ -5,9 +5,10 @@ from fractions import Fraction
 from itertools import cycle, islice
 
 import pytest
+from cobs import cobs
 from hypothesis import given
 from hypothesis import strategies as st
-from support.c_device import SESSION, C, Device, dictionary_of, sealed
+from support.c_device import FFI, SESSION, C, Device, dictionary_of, sealed
 
 from armodal.protocols.board import (
     BoardState,
@@ -25,6 +26,7 @@ from armodal.protocols.board import (
     join_hello,
     wire_size,
 )
+from armodal.protocols.c.device_board import DeviceBoard, PortingLayer
 
 WANTED = Configuration(
     rate_hz=Fraction(1024),
@@ -79,6 +81,52 @@ def test_an_unknown_command_is_answered_as_such_with_its_type(kind):
     # 00, code, version 1, type: neither is zero, so COBS leaves them where they are.
     assert wires[0][3] == kind | 0x80
     assert bytes([ReplyCode.UNKNOWN_COMMAND]) in wires[0]
+
+
+def asked_of_the_board(answer):
+    """What a command of no type of the library comes to, where the board says what it is."""
+    wires = []
+    layer = PortingLayer(
+        send=lambda frame: wires.append(frame) or True,
+        ticks=lambda: 0,
+        rate_refusal=lambda _rate: "",
+        start=lambda _rate: None,
+        stop=lambda: None,
+        answer=answer,
+    )
+    board = DeviceBoard(dictionary_of(), session=SESSION, layer=layer)
+    board.receive(sealed(1, 0x42, b"\x05\x06"))
+    board.poll()
+    return wires
+
+
+def test_a_command_that_only_the_board_knows_is_handed_to_it():
+    asked = []
+
+    def answer(*command):
+        asked.append(command)
+        return Release(block_id=7)
+
+    (wire,) = asked_of_the_board(answer)
+    assert asked == [(0x42, b"\x05\x06")]
+    body = cobs.decode(wire.strip(b"\0"))
+    assert (body[1], body[32]) == (0xC2, ReplyCode.OK)
+
+
+def test_a_board_s_refusal_stands_in_the_answer():
+    device = Device()
+
+    def refuse(_context, _kind, _payload, _n, _answer, reason, _size):
+        FFI.memmove(reason, b"no sensor\0", 10)
+        return ReplyCode.WRONG_STATE
+
+    call = "ab_code(void *, uint8_t, const uint8_t *, size_t, uint8_t *, char *, size_t)"
+    device.keep.append(FFI.callback(call, refuse))
+    device.config.port.command = device.keep[-1]
+    wires = []
+    device.decoder.feed = lambda data: wires.append(data) or []
+    device.ask(0x42)
+    assert bytes([ReplyCode.WRONG_STATE, 9]) + b"no sensor" in wires[0]
 
 
 @pytest.mark.parametrize("kind", list(FrameType)[1:7])

@@ -1,8 +1,11 @@
 """`armodal sim`: the command that it names goes with the laboratory that was started."""
 
 import re
+import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 from support.at_the_end import at_the_end
 
@@ -28,3 +31,27 @@ def test_it_names_the_arm_and_the_plan_that_it_simulates():
 
 def test_the_shipped_laboratory_goes_with_the_default_arm():
     assert re.match(r"next: armodal run PLAN --board \S+ --can \S+ --time-scale 8 ", last_line())
+
+
+def processes_with(word):
+    """Numbers of the processes with this in their command line; none of one that has ended."""
+    found = []
+    for told in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            if word in told.read_bytes().decode(errors="replace"):
+                found.append(int(told.parent.name))
+        except OSError:  # it has gone meanwhile
+            continue
+    return found
+
+
+def test_no_laboratory_outlives_a_command_that_is_ended_while_it_starts(tmp_path):
+    folder = str(tmp_path / "lab")
+    command = subprocess.Popen([*COMMAND, "--out", folder], stdin=subprocess.DEVNULL)
+    with at_the_end(f"kill {command.pid}"):
+        while not set(processes_with(folder)) - {command.pid}:
+            assert command.poll() is None
+            time.sleep(0.01)
+        command.terminate()
+        assert command.wait() == 128 + signal.SIGTERM
+    assert processes_with(folder) == []

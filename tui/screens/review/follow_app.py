@@ -55,6 +55,9 @@ class FollowApp(ReviewApp):
             opened = self._followed.newer(shown)
         except ArmodalError as error:
             self.call_from_thread(self.notify, str(error), severity="error", markup=False)
+        told = self._followed.remark()
+        if told:
+            self.call_from_thread(self.notify, told, severity="warning", markup=False)
         show: Any = self._show_newer  # a coroutine: its end is waited for
         self.call_from_thread(show, opened)
 

@@ -1,7 +1,8 @@
 """A session looked at while it is measured: its journal is read again whenever it has grown.
 
 Nothing is written and nothing locked: whoever measures does not notice. A record that is being
-written is not whole yet, and is read the next time.
+written is not whole yet, and is read the next time. A journal that goes, is replaced or is cut is
+told once.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
-from armodal.protocols.errors import EstimateError, SessionError
+from armodal.protocols.errors import EstimateError, JournalError, SessionError
+from armodal.protocols.os_words import os_words
 from armodal.protocols.session.journal import load_journal
 from armodal.protocols.session.records import Session
 from armodal.tui.screens.review.posture_view import (
@@ -35,29 +37,45 @@ class FollowedJournal:
 
     def __init__(self, journal: Path) -> None:
         self.path = journal
-        self._size = -1
+        self._file: tuple[int, int] | None = None  # what it is on its disk, and its size
         self._hits = Counter[str]()
+        self._fault = ""
+        self._untold = ""
+
+    def remark(self) -> str:
+        """Return what has happened to the journal since the last look, once; else nothing."""
+        told, self._untold = self._untold, ""
+        return told
 
     def newer(self, shown: tuple[PostureView, ...]) -> OpenSession | None:
         """Return the session with its modes fitted, or None where no accepted hit came or went.
+
+        What is wrong with the journal is for `remark`.
 
         Parameters
         ----------
         shown
             What is shown of it; a posture that got no hits since stays as it is, and poles picked
             by hand stay picked.
-
-        Raises
-        ------
-        JournalError
-            If the journal cannot be read.
         """
-        size = self.path.stat().st_size if self.path.exists() else 0
-        if size == self._size:
+        try:
+            status = self.path.stat()
+            file = (status.st_ino, status.st_size)
+            if file == self._file:
+                return None
+            session = load_journal(self.path)
+        except (OSError, JournalError) as error:
+            self._tell_fault(error)
             return None
-        session = load_journal(self.path)
-        self._size = size
-        hits = _accepted(session)
+        hits, before = _accepted(session), self._file
+        self._fault, self._file = "", file
+        if before is not None and before[0] != file[0]:
+            self._untold = (
+                f"{self.path.name} was replaced by another file: shown is what that holds"
+            )
+        elif self._hits - hits:
+            lost = (self._hits - hits).total()
+            self._untold = f"{self.path.name} was cut: {lost} accepted hits are not in it any more"
         if hits == self._hits:
             return None
         try:
@@ -74,6 +92,14 @@ class FollowedJournal:
                 for view in opened.views
             ),
         )
+
+    def _tell_fault(self, error: Exception) -> None:
+        """Once, until the journal is read again."""
+        fault = str(error)
+        if isinstance(error, OSError):
+            fault = f"{self.path.name} cannot be read ({os_words(error)}); shown is what it held"
+        if fault != self._fault:
+            self._fault = self._untold = fault
 
 
 def _accepted(session: Session) -> Counter[str]:

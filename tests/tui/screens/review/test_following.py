@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import shutil
 from collections import Counter
 from dataclasses import replace
 
@@ -10,7 +12,6 @@ import pytest
 from support.screen import screen_text
 
 from armodal.daq.journal_writer import JournalWriter
-from armodal.protocols.errors import JournalError
 from armodal.protocols.session.journal import encode_hit
 from armodal.tui.screens.review.follow_app import FollowApp
 from armodal.tui.screens.review.following import FollowedJournal
@@ -81,11 +82,59 @@ def test_picked_poles_stay_picked(writer, hits):
     assert len(view.model.modes) == 2
 
 
-def test_a_journal_that_is_none_is_told(tmp_path):
+def looked(followed):
+    """What a look finds, and what it has to say of the journal."""
+    return followed.newer(()), followed.remark()
+
+
+def test_a_journal_that_is_none_is_told_once(tmp_path):
     path = tmp_path / "s.journal"
     path.write_bytes(b"something else")
-    with pytest.raises(JournalError, match="not an armodal journal"):
-        FollowedJournal(path).newer(())
+    followed = FollowedJournal(path)
+    found, said = looked(followed)
+    assert found is None
+    assert "not an armodal journal" in said
+    assert looked(followed) == (None, "")
+
+
+def test_a_journal_that_goes_and_comes_back_is_told_once(writer, hits):
+    put(writer, hits[0])
+    followed = FollowedJournal(writer.path)
+    assert looked(followed)[1] == ""
+    aside = writer.path.rename(writer.path.with_suffix(".aside"))
+    assert looked(followed) == (
+        None,
+        "s.journal cannot be read (it is not there); shown is what it held",
+    )
+    assert looked(followed) == (None, "")
+    aside.rename(writer.path)
+    assert looked(followed) == (None, "")
+
+
+def test_a_journal_that_is_cut_is_told_in_one_line(writer, hits):
+    put(writer, hits[0])
+    size = writer.path.stat().st_size
+    put(writer, hits[1])
+    followed = FollowedJournal(writer.path)
+    assert len(looked(followed)[0].views) == 2
+    os.truncate(writer.path, size)
+    found, said = looked(followed)
+    assert len(found.views) == 1
+    assert said == f"s.journal was cut: {len(hits[1])} accepted hits are not in it any more"
+    assert looked(followed) == (None, "")
+
+
+def test_a_journal_that_is_replaced_is_told_in_one_line(writer, hits):
+    put(writer, hits[0])
+    followed = FollowedJournal(writer.path)
+    looked(followed)
+    other = writer.path.with_suffix(".other")
+    shutil.copy(writer.path, other)
+    other.replace(writer.path)
+    found, said = looked(followed)
+    assert found is None
+    assert said == "s.journal was replaced by another file: shown is what that holds"
+    assert looked(followed) == (None, "")
 
 
 def test_the_screen_shows_hits_as_they_come(writer, hits):
