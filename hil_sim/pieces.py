@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -17,19 +19,18 @@ def sliced(
     assembly: Assembly,
     link: str,
     ends_m: tuple[Array, Array],
-    cuts: int,
     directions: tuple[Array, ...],
-    spring: Spring,
+    springs: Sequence[Spring],
     word: str,
 ) -> Assembly:
-    """Cut a link in the middles of `cuts` equal lengths, by a hinge along each direction.
+    """Cut a link in the middles of equal lengths, one a spring, by a hinge along each direction.
 
     The pieces at both ends are half as long and heavy as the others. Straight, they have together
     the mass, centre and inertia of the link. A test point rides on the piece it stands beside.
     """
     near = assembly.carrier_of(link)
     start, end = ends_m
-    length = float(np.linalg.norm(end - start))
+    length, cuts = float(np.linalg.norm(end - start)), len(springs)
     axis = (end - start) / length
     parts = _parts(near.inertial(), axis, length, cuts)
     assembly = assembly.replaced(near.loaded(parts[0]))
@@ -49,7 +50,7 @@ def sliced(
                 label,
                 hinge_m=place,
                 axis=direction,
-                spring=spring,
+                spring=springs[i - 1],
                 before=parts[i - 1] if way == 0 else Inertial(),
                 after=parts[i] if is_last else Inertial(),
                 points_before=before if way == 0 else (),

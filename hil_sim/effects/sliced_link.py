@@ -10,32 +10,37 @@ from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
-from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
 from armodal.hil_sim.pieces import sliced
-from armodal.hil_sim.truth import NotNegative, Vector
+from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
 __all__ = ["SlicedLink", "slices_of_file"]
 
 Array = npt.NDArray[np.float64]
+
+_CUTS_OF_FILE = 5  # as many as the analysis of the file has
 
 
 class SlicedLink(BaseEffect):
     """A link as rigid pieces along a line, each hinged to the one before it.
 
     A stiffness per length is spread over n cuts, stiffness n / L each, in the middles of n equal
-    lengths.
+    lengths. `softness` tells how much of the whole yield each cut has, where not all have alike.
     """
 
     link: str
     from_m: Vector
     to_m: Vector
     cuts: Annotated[int, Field(ge=1, le=12)] = 3
+    softness: tuple[Positive, ...] = ()
     loss: NotNegative  # damping / stiffness, s
 
     @model_validator(mode="after")
     def _has_length(self) -> Self:
         if np.allclose(self.from_m, self.to_m):
             raise ValueError("from_m and to_m must differ")
+        if self.softness and len(self.softness) != self.cuts:
+            raise ValueError(f"wanted a softness for each of {self.cuts} cuts")
         return self
 
     @property
@@ -49,24 +54,38 @@ class SlicedLink(BaseEffect):
     ) -> Assembly:
         """Cut the link again and again, by a hinge along each direction."""
         start, end = np.array(self.from_m), np.array(self.to_m)
-        k = stiffness_n_m2 * self.cuts / float(np.linalg.norm(end - start))
-        spring = Spring(k=k, c=k * self.loss)
-        return sliced(assembly, self.link, (start, end), self.cuts, directions, spring, word)
+        whole_k = stiffness_n_m2 / float(np.linalg.norm(end - start))
+        softness = np.array(self.softness or np.ones(self.cuts))
+        each_k = whole_k * softness.sum() / softness
+        springs = [Spring(k=k, c=k * self.loss) for k in each_k.tolist()]
+        return sliced(assembly, self.link, (start, end), directions, springs, word)
 
 
 def slices_of_file(own: FileEffect, kind: str, stiffness: str) -> Twin:
-    """A link that bends or twists along the line to the next joint."""
+    """A link that bends or twists along its line; where none is told, along that to the next joint.
+
+    `taper` is ln of the last cut's softness over the first's, `middle` that of the middle one's
+    over both ends'.
+    """
     names = [joint.link.name for joint in own.arm.joints]
-    link = own.effect.place
+    link, told = own.effect.place, own.effect.description
     at = names.index(link)
-    if at + 1 == len(names):
+    if "from_m" in told:
+        start, end = three(told["from_m"]), three(told["to_m"])
+    elif at + 1 == len(names):
         raise KeyError("a joint behind it")
-    to = own.turned[link] @ np.asarray(own.arm.joints[at + 1].T_parent_joint[:3, 3])
+    else:
+        start, end = np.zeros(3), np.asarray(own.arm.joints[at + 1].T_parent_joint[:3, 3])
+    taper, middle = (own.sizes.get(f"{kind}_{shape}", 0.0) for shape in ("taper", "middle"))
+    along = np.linspace(0.0, 1.0, _CUTS_OF_FILE)
+    softness = np.exp(taper * along + middle * np.minimum(2.0 * along, 2.0 - 2.0 * along))
     table = {
         "kind": kind,
         "link": link,
-        "from_m": (0.0, 0.0, 0.0),
-        "to_m": tuple(to),
+        "from_m": tuple(own.turned[link] @ start),
+        "to_m": tuple(own.turned[link] @ end),
+        "cuts": _CUTS_OF_FILE,
+        "softness": tuple(softness.tolist()),
         "loss": own.sizes.get(f"{kind}_loss", 0.0),
         stiffness: 1.0 / own.sizes[f"{kind}_compliance"],
     }

@@ -63,5 +63,7 @@ def any_of(arm, name, place=None, factor=1.0):
         if i.effect.name == name and place in (None, i.place)
     )
     every = (*instance.parameters, *instance.relaxes.values())
-    values = {file_key(p.name, instance.place): p.mean + 0.5 * factor * p.std for p in every}
-    return added(name, instance.place or "whole arm", **values)
+    sizes = {p.name: p.mean + 0.5 * factor * p.std for p in every}
+    told = None if instance.describe is None or instance.relaxes else instance.describe(sizes)
+    values = {file_key(key, instance.place): value for key, value in sizes.items()}
+    return added(name, instance.place or "whole arm", told, **values)

@@ -89,6 +89,13 @@ def given_way(
             for name, moved in zip(aside, by_aside, strict=True):
                 assembly.motion_of.setdefault(name, []).append((at, moved))
 
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        """Both ends of the line along which it gives way, in the link's frame."""
+        start = line.start_m + across(line.along) @ [values[name] for name in aside]
+        end = start + line.length_m * line.along
+        name = ordinary.arm.joints[line.link].link.name
+        return {"link": name, "from_m": start.tolist(), "to_m": end.tolist()}
+
     size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 
     def starting_points(values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
@@ -106,6 +113,7 @@ def given_way(
             *(Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD_M) for name in aside),
         ),
         builder=build,
+        describe=describe,
         initial_values=starting_points,
         size=gamma,
         shapes=(spread, taper, middle, *aside),
