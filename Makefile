@@ -89,7 +89,7 @@ bench: $(DEVICE_LIBRARY) $(BENCH_STAMP)
 
 # What docs/reliability.md promises, at length.
 torture: $(DEVICE_LIBRARY)
-	$(PIP) --constraint constraints.txt --editable '.[fuzz]'
+	$(PIP) --constraint constraints.txt --editable '.[fuzz,ni,opendaq]'
 	$(BIN)/python bench/torture.py
 
 # The versions of constraints.txt once more, with the hash of each of their files on any system.

@@ -60,6 +60,7 @@ HEADER = struct.Struct("<BBHIIHHQQ")
 CRC = struct.Struct("<I")
 JOINTS = np.radians([-25.0, 90.0, 0.0, 0.0, 90.0, 0.0])
 HIT_EVERY_S = 2.0
+LATE_S = 0.1  # between two turns of a board that takes one every 2 ms: it was kept from running
 
 
 def terminal() -> tuple[int, int, str]:
@@ -125,7 +126,9 @@ class Feeder:
         self.running = False
         self.block = 0
         self.held = 0
-        self.sent = {"bytes": 0, "stream_samples": 0, "dropped_samples": 0, "blocks": 0}
+        self.sent = {
+            "bytes": 0, "stream_samples": 0, "dropped_samples": 0, "dropped_late": 0, "blocks": 0,
+        }  # fmt: skip
 
     def frame(self, kind: FrameType, payload: bytes, tag: int = 0, first: int = 0) -> bytes:
         ticks = int(time.monotonic() * TICK_HZ)
@@ -223,10 +226,11 @@ class Feeder:
         self.sent["bytes"] += n
 
     def run(self) -> None:
-        listening, counter, next_can_s = False, 0, 0.0
+        listening, counter, next_can_s, turn_s = False, 0, 0.0, time.monotonic()
         while True:
             readable, _, _ = select.select([self.board, self.bus, sys.stdin], [], [], 0.002)
             now_s = time.monotonic()
+            late, turn_s = now_s - turn_s > LATE_S, now_s
             if sys.stdin in readable:
                 break
             if self.board in readable:
@@ -251,6 +255,7 @@ class Feeder:
                         self.sent["stream_samples"] += 64
                     else:
                         self.sent["dropped_samples"] += 64
+                        self.sent["dropped_late"] += 64 * late
                     self.sample += 64
                 if self.held == 0 and now_s >= self.next_hit_s:
                     self.next_hit_s = now_s + HIT_EVERY_S

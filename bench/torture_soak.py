@@ -170,6 +170,7 @@ def soak(seconds: float, folder: Path) -> dict[str, Any]:
         "seen": finished.samples_seen,
         "reported missing": lost,
         "dropped by the board": sent["dropped_samples"],
+        "of these since it was itself late": sent["dropped_late"],
         "unexplained": abs(sent["stream_samples"] - finished.samples_seen)
         + abs(sent["dropped_samples"] - lost)
         + abs(taken - produced),
@@ -198,11 +199,13 @@ def main() -> int:
     seconds, unexplained = float(found["seconds"]), int(found["unexplained"])
     unannounced = abs(int(found["hits"]) - int(found["hits announced"]))
     taken, missing = int(found["samples in"]), int(found["reported missing"])
+    late = int(found["of these since it was itself late"])
     return told(
         [
             Figure("soak at 4 x 51.2 kS/s, s", f"{seconds:.0f}", "600", seconds >= 600.0),
             Figure(
-                f"... samples not accounted for, of {taken:,} taken, {missing:,} reported missing",
+                f"... samples not accounted for, of {taken:,} taken, {missing:,} reported missing, "
+                f"{late:,} of them since the simulated board was late",
                 f"{unexplained:,}",
                 "0",
                 not unexplained,

@@ -15,6 +15,7 @@ from pydantic import Field, ValidationError, model_validator
 from armodal.hil_sim.effects import Effect
 from armodal.hil_sim.truth import Interval, NotNegative, Positive, Probability, Truth, Vector
 from armodal.protocols.errors import PlantError
+from armodal.protocols.printable import printable
 from armodal.protocols.toml_reader import parse_toml, read_text
 
 __all__ = [
@@ -222,7 +223,7 @@ def load_plant_file(path: Path) -> PlantFile:
             f"{'.'.join(str(part) for part in fault['loc']) or 'file'}: {fault['msg']}"
             for fault in error.errors()
         )
-        raise PlantError(f"plant file {path}: {faults}") from error
+        raise PlantError(f"plant file {path}: {printable(faults, keep='')}") from error
 
 
 def plant_text(truth: PlantFile) -> str:

@@ -27,6 +27,7 @@ __all__ = [
     "err",
     "out",
     "print_json",
+    "print_note",
     "progress",
     "say",
     "say_next",
@@ -69,6 +70,11 @@ TimeScale = Annotated[float, typer.Option(callback=_checked, help="Simulated sec
 def say(text: str) -> None:
     """Tell what is being done."""
     err.print(f"· {text}", style="dim")
+
+
+def print_note(text: str) -> None:
+    """Print what a person must know beside the numbers: one line, whatever a file says."""
+    out.print(f"note: {printable(text, keep='')}")
 
 
 def say_next(command: str, why: str = "") -> None:

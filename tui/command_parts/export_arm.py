@@ -17,7 +17,7 @@ from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError, MissingPackageError
 from armodal.protocols.text_file import replace_text
-from armodal.tui.console import out, print_json, say_next
+from armodal.tui.console import out, print_json, print_note, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["export_arm", "print_export"]
@@ -87,7 +87,7 @@ def print_export(arm: str, found: dict[str, Any], *, as_json: bool) -> None:
             "the arm file's"
         )
     for note in found["notes"]:
-        out.print(f"note: {note}")
+        print_note(note)
     for path in found["files"]:
         out.print(f"written {path}")
     say_next(f"predict --arm {arm} --posture=DEG,DEG,...", "to compare with your simulator")

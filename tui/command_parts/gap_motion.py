@@ -16,7 +16,7 @@ from armodal.protocols.errors import ForeignFileError
 from armodal.protocols.foreign.motion_log import MotionLog
 from armodal.protocols.foreign.read_motion import read_motion_log
 from armodal.protocols.text_file import replace_text
-from armodal.tui.console import out, print_json, say, say_next
+from armodal.tui.console import out, print_json, print_note, say, say_next
 
 __all__ = ["show_motion"]
 
@@ -81,7 +81,7 @@ def show_motion(
         )
     out.print(table)
     for note in notes:
-        out.print(f"note: {note}")
+        print_note(note)
     if html is not None:
         out.print(f"page {html}")
     say_next("export ARM --mjcf OUT --from YOURS", "writes the corrected model")

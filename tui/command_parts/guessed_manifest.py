@@ -36,7 +36,12 @@ def manifest_beside(files: Sequence[Path], output: Path) -> tuple[Path, Guess]:
             f"{path}: wanted a place for a manifest, there is one; import that, or remove it"
         )
     try:
-        path.write_text(guess.text, encoding="utf-8")
+        path.write_bytes(guess.text.encode("utf-8"))
+    except UnicodeEncodeError as error:
+        raise ForeignFileError(
+            "wanted names of files in UTF-8, which a manifest can hold; got one that is not; "
+            "rename the file"
+        ) from error
     except OSError as error:
         raise ForeignFileError(
             f"{path}: cannot be written ({os_words(error)}); choose another place"

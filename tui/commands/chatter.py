@@ -21,7 +21,7 @@ from armodal.protocols.errors import ArmError
 from armodal.protocols.text_file import replace_text
 from armodal.tui.command_parts.options import ArmName, comma_numbers
 from armodal.tui.commands.shaper import PathOption, PostureOption, asked_postures
-from armodal.tui.console import Json, out, print_json
+from armodal.tui.console import Json, out, print_json, print_note
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
@@ -106,7 +106,7 @@ def chatter_command(
         f"{_mm(found.always_low_m)} mm"
     )
     for note in notes:
-        out.print(f"note: {note}")
+        print_note(note)
     if html is not None:
         out.print(f"page {html}")
     out.print("next: armodal stiffness-map for a stiffer posture, or --path for a map over feeds")
@@ -195,7 +195,7 @@ def _map(
         table.add_row(" ".join(f"{a:g}" for a in angles), *words)
     out.print(table)
     for note in notes:
-        out.print(f"note: {note}")
+        print_note(note)
     out.print("next: one posture alone with --feed gives its lobes")
 
 

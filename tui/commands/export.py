@@ -28,7 +28,7 @@ from armodal.protocols.text_file import replace_text
 from armodal.tui.command_parts.export_arm import export_arm, print_export
 from armodal.tui.command_parts.identification_results import identification_json
 from armodal.tui.command_parts.options import refuse_idle
-from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say, say_next
 from armodal.tui.json_text import json_text
 from armodal.tui.output_file import check_output
 
@@ -221,7 +221,7 @@ def export_command(
         for note in file["notes"]:
             out.print(f"  note: {note}")
     for text in summary["warnings"]:
-        out.print(f"note: {text}")
+        print_note(text)
     if model is not None:
         out.print(f"model {model}")
     say_next(f"report {session}")

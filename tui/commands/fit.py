@@ -13,7 +13,7 @@ from armodal.tui.command_parts.fit_settings import FitSettings
 from armodal.tui.command_parts.fit_values import fit_values
 from armodal.tui.command_parts.options import Band, SessionPath
 from armodal.tui.command_parts.posture_notes import noted_once
-from armodal.tui.console import Json, out, print_json, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say_next
 from armodal.tui.deviation import deviation
 
 __all__ = ["app"]
@@ -63,7 +63,7 @@ def fit(
     for line in _lines(value):
         out.print(line)
     for note in noted_once(value["warnings"]):
-        out.print(f"note: {note}")
+        print_note(note)
     say_next(f"review {session}")
 
 

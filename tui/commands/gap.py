@@ -42,7 +42,7 @@ from armodal.tui.command_parts.gap_results import (
 from armodal.tui.command_parts.gap_simulator import show_simulator
 from armodal.tui.command_parts.options import refuse_idle
 from armodal.tui.command_parts.rehearsed import plan_to_rehearse
-from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
@@ -187,7 +187,7 @@ def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
         out.print(f"next test: {result.next_test.words}")
         out.print(f"  it {result.next_test.why}")
     for note in result.notes:
-        out.print(f"note: {note}")
+        print_note(note)
     if beside:
         hidden = ", ".join(f"{e['name']} ({e['place']})" for e in beside["truth"]["effects"])
         out.print(f"in truth: {hidden or 'nothing was hidden'}")

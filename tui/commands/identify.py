@@ -23,7 +23,7 @@ from armodal.tui.command_parts.penalty_results import (
     penalty_tables,
 )
 from armodal.tui.command_parts.posture_notes import noted_once
-from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say, say_next
 from armodal.tui.screens.review.picked_file import read_picked
 
 __all__ = ["app"]
@@ -71,5 +71,5 @@ def identify_command(
         out.print(table)
     doubts = [f"axis in {axis.link}: {doubt}" for axis in result.axes for doubt in axis.doubts]
     for note in (*result.notes, *doubts, *noted_once(measured.warnings)):
-        out.print(f"note: {note}")
+        print_note(note)
     say_next(f"gap {session}", "asks what the model lacks")

@@ -22,7 +22,7 @@ from armodal.tui.command_parts.guessed_manifest import (
     manifest_beside,
     unanswered,
 )
-from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
@@ -70,7 +70,7 @@ def import_command(
             what = f"{posture['hits']} hits, {posture['accepted']} accepted"
         out.print(f"{posture['posture']}: {what}")
     for text in summary["warnings"]:
-        out.print(f"note: {text}")
+        print_note(text)
     out.print(f"session {output}")
     say_next(f"review {output}")
 

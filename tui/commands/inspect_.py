@@ -14,7 +14,7 @@ from armodal.protocols.foreign.files_in import files_in
 from armodal.protocols.foreign.guess import Guess, guess_manifest
 from armodal.protocols.foreign.inspection import Inspection, inspect_file
 from armodal.tui.command_parts.guessed_manifest import guess_json
-from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say, say_next
 
 __all__ = ["app"]
 
@@ -139,7 +139,7 @@ def _show(looked: Inspection) -> None:
 
 def _show_manifest(guess: Guess | None, question: str) -> None:
     if question:
-        out.print(f"note: {question}")
+        print_note(question)
     if guess is None:
         return
     for text in guess.guesses:

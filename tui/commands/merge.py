@@ -12,7 +12,7 @@ import typer
 from armodal import SOFTWARE
 from armodal.analyzer.merge_sessions import merge_sessions
 from armodal.protocols.session.hdf5 import Provenance, read_session, write_session
-from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say, say_next
 from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
@@ -63,7 +63,7 @@ def merge(
         low, high = row["band_hz"]
         out.print(f"{row['posture']}: {row['lines']} lines, {low:.4g} to {high:.5g} Hz")
     for text in merged.warnings:
-        out.print(f"note: {text}")
+        print_note(text)
     out.print(f"session {output}")
     say_next(f"fit {output}")
 

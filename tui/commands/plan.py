@@ -21,7 +21,7 @@ from armodal.tui.command_parts.mesh_folder import mesh_folder
 from armodal.tui.command_parts.options import ArmName, Minutes, Seed
 from armodal.tui.command_parts.plan_json import made_json, plan_json
 from armodal.tui.command_parts.plan_tables import made_lines, plan_tables
-from armodal.tui.console import Json, err, out, print_json, progress, say_next
+from armodal.tui.console import Json, err, out, print_json, print_note, progress, say_next
 
 __all__ = ["app"]
 
@@ -85,7 +85,7 @@ def plan_command(
         names = ", ".join(the_arm.joints[joint].name for joint in found.not_isolated)
         out.print(f"no test shows {names} alone: identify by the fit of all modes")
     for note in planned.notes:
-        out.print(f"note: {note}")
+        print_note(note)
     if out_path is not None:
         out.print(f"plan {out_path}")
         say_next(f"run {out_path} --arm {arm}")

@@ -20,7 +20,7 @@ from armodal.protocols.errors import ArmError
 from armodal.protocols.session.hdf5 import read_session
 from armodal.tui.command_parts.arm_prediction import arm_prediction_json, arm_prediction_table
 from armodal.tui.command_parts.options import comma_numbers, refuse_idle
-from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.console import Json, out, print_json, print_note, say, say_next
 from armodal.tui.deviation import deviation
 
 __all__ = ["app"]
@@ -168,7 +168,7 @@ def _of_arm(
     for prediction in found:
         out.print(arm_prediction_table(prediction))
     for note in notes:
-        out.print(f"note: {note}")
+        print_note(note)
     posture = ",".join(f"{angle:g}" for angle in asked[0])
     say_next(f"shaper {source} --posture={posture}", "a path that does not excite these modes")
 
@@ -190,5 +190,5 @@ def _of_session(session: Path, asked: list[list[float]], *, as_json: bool) -> No
         for table in prediction_tables(prediction):
             out.print(table)
     for note in notes:
-        out.print(f"note: {note}")
+        print_note(note)
     say_next(f"report {session}", "holds predictions against postures that were measured")

@@ -23,7 +23,7 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.errors import ArmError
 from armodal.protocols.text_file import replace_text
 from armodal.tui.command_parts.options import ArmName, comma_numbers
-from armodal.tui.console import Json, out, print_json
+from armodal.tui.console import Json, out, print_json, print_note
 from armodal.tui.output_file import check_output
 
 __all__ = ["app", "asked_postures"]
@@ -162,7 +162,7 @@ def shaper_command(
     for table in _tables(boxes, every, best):
         out.print(table)
     for note in notes:
-        out.print(f"note: {note}")
+        print_note(note)
     if html is not None:
         out.print(f"page {html}")
     out.print("next: convolve the commanded path with these, and look at the residual vibration")

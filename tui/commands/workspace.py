@@ -32,7 +32,7 @@ from armodal.protocols.os_words import os_words
 from armodal.protocols.session.records import Session
 from armodal.tui.command_parts.options import ArmName, Seed
 from armodal.tui.command_parts.worker_processes import worker_processes
-from armodal.tui.console import Json, out, print_json, progress, say_next
+from armodal.tui.console import Json, out, print_json, print_note, progress, say_next
 from armodal.tui.console import progress as told_progress
 
 __all__ = ["app", "workspace_section"]
@@ -197,6 +197,6 @@ def workspace_command(
         return
     out.print(workspace_table(study))
     for note in value["notes"]:
-        out.print(f"note: {note}")
+        print_note(note)
     out.print(f"page   {value['page']}\narrays {value['arrays']}")
     say_next(f"plan {arm}", "postures, hits and points that identify its joints")

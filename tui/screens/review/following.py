@@ -67,9 +67,9 @@ class FollowedJournal:
         except (OSError, JournalError) as error:
             self._tell_fault(error)
             return None
-        hits, file_before = _accepted(session), self._file
+        hits, earlier = _accepted(session), self._file
         self._fault, self._file = "", file
-        if file_before is not None and file_before[0] != file[0]:
+        if earlier is not None and earlier[0] != file[0]:
             self._untold = (
                 f"{self.path.name} was replaced by another file: shown is what that holds"
             )

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from armodal.analyzer.gap.records import Interval
 from armodal.analyzer.report.effect_words import chance, mechanics
+from armodal.protocols.printable import printable
 from armodal.tui.fitting_table import FittingTable
 from armodal.tui.screens.review.gap_map import gap_map
 from armodal.tui.screens.review.next_test import next_test_of
@@ -252,7 +253,11 @@ def _evidence(found: Mapping[str, Any]) -> RenderableType | None:
         for row in _rows(found, "gates")
     ]
     notes = found.get("notes")
-    lines += [f"note: {note}" for note in notes] if isinstance(notes, (list, tuple)) else []
+    lines += (
+        [f"note: {printable(str(note), keep='')}" for note in notes]
+        if isinstance(notes, (list, tuple))
+        else []
+    )
     return Text("\n".join(lines)) if lines else None
 
 

@@ -9,6 +9,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from armodal.protocols.printable import printable
 from armodal.tui.fitting_table import FittingTable
 
 __all__ = ["identification_view"]
@@ -29,7 +30,7 @@ def identification_view(found: dict[str, Any]) -> RenderableType:
         parts.append(_validation(found["validation"]))
     notes = [*found.get("notes", ()), *found.get("warnings", ())]
     if notes:
-        parts.append(Text("\n".join(f"note: {note}" for note in notes)))
+        parts.append(Text("\n".join(f"note: {printable(str(note), keep='')}" for note in notes)))
     return Group(*parts)
 
 
