@@ -42,6 +42,7 @@ def test_good_single_pulses_of_any_width_and_rate_are_accepted():
     assert rejected == []
 
 
+@pytest.mark.long
 def test_at_most_one_double_in_a_hundred_is_missed():
     rng = np.random.default_rng(32)
     n = 200
