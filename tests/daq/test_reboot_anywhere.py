@@ -16,7 +16,7 @@ def run(at_moment, *, seed=0):
     labs = []
 
     def made(*args, **named):
-        labs.append(RebootingLab(*args, at_moment=at_moment, **named))
+        labs.append(RebootingLab(*args, at_moment=at_moment, step_s=0.01, **named))
         return labs[-1]
 
     return run_seed(seed, script=((), ()), make_lab=made), labs[-1]
