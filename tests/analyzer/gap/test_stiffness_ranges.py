@@ -69,6 +69,7 @@ def test_a_drive_whose_rotor_is_beyond_the_lines_is_within_the_range_of_k(
     assert linear < PART / k < at_most
 
 
+@pytest.mark.long
 def test_a_drive_that_would_bring_its_rotor_s_resonance_does_not_widen_the_range(
     superset, ordinary, lines, servo
 ):

@@ -151,6 +151,7 @@ def test_a_roving_hammer_may_leave_out_driving_points():
     )
 
 
+@pytest.mark.long
 def test_moving_modes_are_told_where_an_frf_is_missing():
     made = drifting(np.random.default_rng(4), 1.0, nominal_hz=TWO_HZ)
     measured = np.ones(made.frf.values.shape[:2], dtype=bool)
