@@ -7,10 +7,10 @@ import pytest
 from support.added import axis, with_effects
 from support.offline_lab import first_postures, simulate_session
 from support.own_mjcf import own_mjcf
+from support.small_case import small_case
 
 from armodal.analyzer.simulator.comparison import compare_with_simulator
 from armodal.analyzer.simulator.in_time import first_hits
-from armodal.hil_sim.study import make_case
 from armodal.hil_sim.study.plant_of_arm import plant_of_arm
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan import plan_from_text
@@ -21,7 +21,7 @@ mujoco = pytest.importorskip("mujoco")
 @pytest.fixture(scope="module")
 def few_hits():
     """A few mountings of two postures."""
-    whole = make_case(seed=8, arm="ur5").session()
+    whole = small_case(8, "ur5").session()
     names = [posture.name for posture in whole.header.plan.postures[:2]]
     points = list(dict.fromkeys(hit.sensor_point for hit in whole.hits))[:4]
     chosen = [h for h in whole.hits if h.posture in names and h.sensor_point in points]
