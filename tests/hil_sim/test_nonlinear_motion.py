@@ -55,6 +55,7 @@ def test_a_crack_without_gap_swings_half_a_period_on_each_stiffness():
     assert np.diff(turns(felt)) == pytest.approx(both, rel=1e-4)
 
 
+@pytest.mark.long
 def test_dry_friction_takes_four_limits_over_stiffness_from_every_cycle():
     limit = 0.4
     stuck = 400.0 * K  # nearly rigid before it slips

@@ -106,6 +106,7 @@ def test_what_stands_in_a_hole_is_not_looked_at():
     assert np.array_equal(clean.covariance, dirty.covariance)
 
 
+@pytest.mark.long
 def test_holes_widen_the_deviations_and_move_nothing_else():
     rng = np.random.default_rng(5)
     whole = eight_modes(rng, n_resp=12, n_ref=3).frf
@@ -223,6 +224,7 @@ def test_frfs_that_no_shape_joins_are_refused(holes, wanted):
         fit_modes(without(frf, measured))
 
 
+@pytest.mark.long
 def test_receptances_are_fitted_alike():
     made = several_references(np.random.default_rng(8))
     s2 = (2j * np.pi * made.frf.freq_hz) ** 2
