@@ -98,7 +98,9 @@ def direct(measured):
     return modes_of(measured)
 
 
-@pytest.mark.parametrize("ending", ["uff", "unv", "mat", "npz"])
+@pytest.mark.parametrize(
+    "ending", ["uff", "npz", *(pytest.param(e, marks=pytest.mark.long) for e in ("unv", "mat"))]
+)
 def test_modes_agree_to_rounding_through_every_format(measured, direct, tmp_path, ending):
     there, back = tmp_path / f"x.{ending}", tmp_path / "back.h5"
     assert armodal("export", measured, "--out", there, "--no-modes")[0] == 0
