@@ -220,7 +220,7 @@ def test_where_nothing_was_hit_a_law_is_the_spring_of_swings_of_the_level(arm):
 )
 def test_a_joint_s_own_law_explains_more_than_a_spring_of_each_level(kind, module):
     stage, plain = levelled(kind)
-    first = fit_hypothesis(stage, plain, max_iterations=4)
+    first = fit_hypothesis(stage, plain, max_iterations=8)
     joint = json.loads(small_case(3001, "rv4frl", kind, ladder=True).open_truth())["effects"][0][
         "place"
     ]
@@ -235,7 +235,7 @@ def test_a_joint_s_own_law_explains_more_than_a_spring_of_each_level(kind, modul
         stage,
         hypothesis,
         start=best_starting_point(stage, hypothesis, starting_points),
-        max_iterations=4,
+        max_iterations=6,
     )
     assert law.cost < springs.cost
 

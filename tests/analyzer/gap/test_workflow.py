@@ -2,14 +2,12 @@
 
 import json
 from dataclasses import replace
-from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from support.small_case import FourPostures, SmallestCase, small_case
 
-from armodal.analyzer.gap import effects, library
 from armodal.analyzer.gap.decision.data_requirements import notes_on
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.records import Verdict
@@ -84,24 +82,7 @@ def test_nothing_is_found_where_nothing_is_hidden():
     assert all(row.low < row.k_n_m_per_rad < row.high for row in result.joint_stiffness_ranges)
 
 
-FEW = ("channel_gain", "delay", "link_axis", "long_link", "nonproportional", "sensor_axes")
-
-
-@pytest.fixture
-def few(monkeypatch):
-    """A library of a few effects: searched in a third of the time."""
-    modules = tuple(import_module(f"{effects.__name__}.{name}") for name in FEW)
-    monkeypatch.setattr(library, "_modules", lambda: modules)
-    library.all_instances.cache_clear()
-    yield
-    library.all_instances.cache_clear()
-
-
-@pytest.mark.parametrize("among", ["few", pytest.param("all", marks=pytest.mark.long)])
-def test_a_hidden_delay_is_named(among, request):
-    """Among a few kinds of effects, or among all."""
-    if among == "few":
-        request.getfixturevalue("few")
+def test_a_hidden_delay_is_named():
     case = small_case(2, "rv4frl", "delay", of=SmallestCase)
     result = find_gap(case.session(), gates=False, modes=False, advice=False).result
     assert mark(json.loads(case.open_truth()), result).outcome == "right"
