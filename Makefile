@@ -18,19 +18,24 @@ export MKL_NUM_THREADS = 1
 # What one process has compiled the next need not: tests start some fifty.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo docs messages firmware firmware-check test test-all test-share coverage check bench torture fuzz hashes sizes format clean setup
+.PHONY: demo docs messages firmware firmware-check test test-all coverage check bench torture fuzz hashes sizes format clean setup
 
 setup: $(DEVICE_LIBRARY)
 
 # With HASHED=1, for CI: every package the project needs, for its benches too, and none whose hash
-# is not in constraints-hashed.txt. setuptools first, since it builds what comes as source.
+# is not in constraints-hashed.txt. setuptools first, since it builds what comes as source. All that a
+# package needs is listed too: one half is installed beside the other. Python compiles what it imports.
 ifdef HASHED
 define INSTALL
 sed -n '/^setuptools==/,/[^\\]$$/p' constraints-hashed.txt > $(VENV)/setuptools.txt
 $(PIP) --require-hashes --requirement $(VENV)/setuptools.txt
-$(PIP) --require-hashes --no-build-isolation --requirement constraints-hashed.txt
+awk -v to=$(VENV) '/^[^ ]/ { n += 1 } { print > (to "/part-" n % 2 ".txt") }' constraints-hashed.txt
+$(PIP) $(PINNED) --requirement $(VENV)/part-0.txt & first=$$!; \
+	$(PIP) $(PINNED) --requirement $(VENV)/part-1.txt && wait $$first
 $(PIP) --no-deps --no-build-isolation --editable .
+$(BIN)/python -m pip check
 endef
+PINNED := --no-compile --no-deps --require-hashes --no-build-isolation
 else
 INSTALL = $(PIP) --constraint constraints.txt --editable '.[dev]'
 endif
@@ -53,15 +58,12 @@ $(DEVICE_LIBRARY): $(STAMP) $(DEVICE_SOURCES)
 demo: $(DEVICE_LIBRARY)
 	$(BIN)/armodal demo
 
+# With SHARE=K/N, part K of N of the long tests too, in the same run.
 test: $(DEVICE_LIBRARY)
-	$(BIN)/python -m pytest -m "not long" $(WORKERS)
+	$(BIN)/python -m pytest $(if $(SHARE),--share $(SHARE),-m "not long") $(WORKERS)
 
 test-all: $(DEVICE_LIBRARY)
 	$(BIN)/python -m pytest $(WORKERS)
-
-# Part K of N of the long tests: make test-share SHARE=K/N.
-test-share: $(DEVICE_LIBRARY)
-	$(BIN)/python -m pytest -m long --share $(SHARE) $(WORKERS)
 
 # Lines and branches that `make test` runs, in the processes it starts too.
 coverage: $(DEVICE_LIBRARY)

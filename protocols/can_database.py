@@ -9,9 +9,10 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from armodal.protocols.arm.records import CanMapping, JointSignal
 from armodal.protocols.can_records import CLASSIC_BYTES, CanFrame, bytes_carried
@@ -212,13 +213,18 @@ def load_database(text: str, name: str) -> Database:
             )
     cantools = import_module("cantools")
     try:
-        database = cantools.database.load_string(text, database_format="dbc", strict=True)
+        database = _parsed(text)
     except _parser_errors() as problem:
         raise CanError(f"CAN database {name}: wanted a DBC file, got: {problem}") from problem
     if not isinstance(database, cantools.database.can.Database):
         raise CanError(f"CAN database {name}: wanted a DBC file, got another kind of database")
     found_one: Database = database
     return found_one
+
+
+@lru_cache(maxsize=4)  # of a session's arm: asked for by each who reads or checks its frames
+def _parsed(text: str) -> Any:
+    return import_module("cantools").database.load_string(text, database_format="dbc", strict=True)
 
 
 def _parser_errors() -> tuple[type[Exception], ...]:

@@ -41,21 +41,27 @@ settings.register_profile("quick", parent=settings.get_profile("all"), max_examp
 # at eight times the speed a twentieth of a second is more than what those allow.
 STALL_S = 0.04
 AGAIN = 4  # times such a test is repeated, at most
+WHOLE = "0/1"  # share of the long tests
 watch = cache(StallWatch)  # begun with the first of those tests
 
 
 def pytest_configure(config):
-    """Properties meet fewer examples where long tests are left out."""
-    settings.load_profile("quick" if config.option.markexpr == "not long" else "all")
+    """Properties meet fewer examples where not all long tests run."""
+    quick = config.option.markexpr == "not long" or config.option.share != WHOLE
+    settings.load_profile("quick" if quick else "all")
 
 
 def pytest_addoption(parser):
-    parser.addoption("--share", default="0/1", help="part K of N of the tests, as K/N from 0/N")
+    parser.addoption("--share", default=WHOLE, help="part K of N of the long tests, from 0/N")
 
 
 def pytest_collection_modifyitems(config, items):
     share = config.option.share
-    items[:] = [item for item in items if in_share(item.nodeid, share)]
+    items[:] = [
+        item
+        for item in items
+        if item.get_closest_marker("long") is None or in_share(item.nodeid, share)
+    ]
     for item in items:
         if "real_time" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.flaky(reruns=AGAIN, only_rerun=[HeldUpError.__name__]))

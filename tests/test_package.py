@@ -54,16 +54,9 @@ def wheel(tmp_path_factory):
         target = checkout / name
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, target, follow_symlinks=False)
-    pip = [
-        sys.executable,
-        "-m",
-        "pip",
-        "wheel",
-        "--quiet",
-        "--no-deps",
-        "--disable-pip-version-check",
-    ]
-    ran([*pip, "--no-build-isolation", "--wheel-dir", str(folder), str(checkout)])
+    # The wheel that pip builds, without pip.
+    build = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"
+    ran([sys.executable, "-c", build, str(folder)], cwd=checkout)
     (made,) = folder.glob("armodal-*.whl")
     return made
 

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import re
 from datetime import datetime, timedelta
+from functools import partial
 from itertools import count
 from pathlib import Path
 
 import pytest
 from support.adversary import KINDS, disturbed_session
 from support.fault_runs import run_seed
+from support.virtual_lab import VirtualLab
 
 import armodal.daq
 from armodal.protocols.session.compare import first_difference
 from armodal.protocols.session.journal import decode_journal
 
 SMALL = len(KINDS)
+COARSE_S = 0.01  # a step of the laboratory: half the time of its finer ones
 
 
 @pytest.mark.parametrize("seed", range(SMALL), ids=KINDS)
 def test_no_announced_hit_is_lost(seed):
-    found = disturbed_session(seed)
+    found = disturbed_session(seed, step_s=COARSE_S)
     assert (found.lost, found.wrong) == ([], "")
 
 
@@ -42,7 +45,8 @@ def test_no_clock_of_the_wall_decides_anything():
 
 def test_a_session_is_the_same_whatever_the_clock_on_the_wall_does(monkeypatch):
     """Set back and forth at every look at it, or stopped as in a leap second."""
-    quiet = run_seed(0, script=((), ()))
+    coarse = partial(VirtualLab, step_s=COARSE_S)
+    quiet = run_seed(0, script=((), ()), make_lab=coarse)
     for steps_s in ((0.0,), (-86400.0, 86400.0 * 3650.0), (-1.0, 0.0)):
         looks = count()
 
@@ -54,7 +58,7 @@ def test_a_session_is_the_same_whatever_the_clock_on_the_wall_does(monkeypatch):
 
         monkeypatch.setattr("armodal.daq.acquisition.datetime", Jumping)
         monkeypatch.setattr("armodal.daq.holder.datetime", Jumping)
-        jumped = run_seed(0, script=((), ()))
+        jumped = run_seed(0, script=((), ()), make_lab=coarse)
         assert next(looks) > 0  # it was looked at
         assert jumped.violations == quiet.violations == []
         ours, theirs = (decode_journal(one.journal) for one in (quiet, jumped))

@@ -66,7 +66,7 @@ def packed(layout):
     ]
 
 
-@pytest.mark.parametrize("n", [1, 4, 9])
+@pytest.mark.parametrize("n", [1, 4, pytest.param(9, marks=pytest.mark.long)])
 def test_the_generic_description_is_learned_of_any_number_of_joints(n):
     names = [f"axis {i + 1}" for i in range(n)]
     found = learned_of(by_mapping(generic_mapping(names), names), n)

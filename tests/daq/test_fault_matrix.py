@@ -1,7 +1,10 @@
 """A few of the seeded runs of `bench/torture_faults.py`, and those that once showed a fault."""
 
+from functools import partial
+
 import pytest
 from support.fault_runs import MATRIX, run_seed, script_of
+from support.virtual_lab import VirtualLab
 
 from armodal.daq.events import Failed, Finished
 from armodal.protocols.session.journal import decode_journal
@@ -29,7 +32,7 @@ def test_the_same_seed_is_the_same_run():
 # One run of every kind of fault, two at once, around a blow and at any sample.
 @pytest.mark.parametrize("seed", range(len(MATRIX), 2 * len(MATRIX)))
 def test_the_invariant_holds(seed):
-    outcome = run_seed(seed)
+    outcome = run_seed(seed, make_lab=partial(VirtualLab, step_s=0.01))
     assert outcome.violations == [], (script_of(seed), words_of(outcome))
 
 

@@ -42,6 +42,7 @@ def test_good_single_pulses_of_any_width_and_rate_are_accepted():
     assert rejected == []
 
 
+@pytest.mark.long
 def test_at_most_one_double_in_a_hundred_is_missed():
     rng = np.random.default_rng(32)
     n = 200
@@ -57,7 +58,9 @@ def test_at_most_one_double_in_a_hundred_is_missed():
     assert missed <= stats.binom.ppf(0.9999, n, 0.01)
 
 
-@pytest.mark.parametrize("rate_hz", [1000.0, 1652.0, 5120.0])
+@pytest.mark.parametrize(
+    "rate_hz", [1652.0, *(pytest.param(f, marks=pytest.mark.long) for f in (1000.0, 5120.0))]
+)
 def test_pulses_of_two_samples_with_the_least_gap_are_told_apart(rate_hz):
     rng = np.random.default_rng(33)
     n, width_s = 60, 2.0 / rate_hz

@@ -150,6 +150,7 @@ def test_a_hit_comes_as_it_was_converted(library, rate_hz):
     assert board.model.faults == []
 
 
+@pytest.mark.long
 def test_the_preview_has_every_sample_once(library):
     board = Stm32Board(library, convert=lambda i: (i, i, i, i))
     link, _ = linked(board)

@@ -46,6 +46,7 @@ def test_an_element_that_does_nothing_leaves_the_linear_response():
     assert felt == pytest.approx(linear, abs=1e-9 * np.max(np.abs(linear)))
 
 
+@pytest.mark.long
 def test_a_crack_without_gap_swings_half_a_period_on_each_stiffness():
     motion = one_link(OneSided(row=ROW, lost=0.75 * K, opening=0.0))
     felt, _ = kicked(motion, 0.3, 20_000)
@@ -54,6 +55,7 @@ def test_a_crack_without_gap_swings_half_a_period_on_each_stiffness():
     assert np.diff(turns(felt)) == pytest.approx(both, rel=1e-4)
 
 
+@pytest.mark.long
 def test_dry_friction_takes_four_limits_over_stiffness_from_every_cycle():
     limit = 0.4
     stuck = 400.0 * K  # nearly rigid before it slips

@@ -193,6 +193,7 @@ def test_a_sealed_ledger_tells_nothing_at_a_glance_and_all_when_asked(tmp_path):
     assert [event["point"] for event in record.of("hit")] == ["3"]
 
 
+@pytest.mark.long
 def test_an_arm_of_four_joints_runs_as_a_process_with_its_truth_sealed(tmp_path):
     arm = with_generic_can(chain_arm(4))
     wanted = Rehearsal(arm=arm, hidden=(("hammer_gain", "medium"),))

@@ -314,6 +314,7 @@ def test_shipped_databases_are_read(name: str) -> None:
     assert database.messages
 
 
+@pytest.mark.long
 @given(st.text(max_size=200))
 def test_any_text_is_a_database_or_refused(text: str) -> None:
     with contextlib.suppress(CanError):

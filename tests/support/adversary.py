@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from support.accepted_hits import quick_folder
 from support.fault_runs import PLAN, shipped_arm
-from support.virtual_lab import VirtualLab
+from support.virtual_lab import STEP_S, VirtualLab
 
 from armodal.daq.acquisition import run_acquisition
 from armodal.daq.events import Failed, Finished, HitJudged
@@ -184,7 +184,7 @@ class Disturbed:
     struck: bool = False  # whether the disturbance came about before the session's end
 
 
-def disturbed_session(seed: int) -> Disturbed:
+def disturbed_session(seed: int, *, step_s: float = STEP_S) -> Disturbed:
     """Run a small session that is disturbed once, resumed where it ends; kinds go in turn."""
     rng = np.random.default_rng([seed, 0xAD])
     kind = KINDS[seed % len(KINDS)]
@@ -197,8 +197,9 @@ def disturbed_session(seed: int) -> Disturbed:
         faults, at_blows = _script(kind, rng)
         calibrated = kind != "missing calibration"
         lab = VirtualLab(
-            plan, root, seed=seed, faults=faults, at_blows=at_blows, calibrated=calibrated
-        )
+            plan, root, seed=seed, faults=faults, at_blows=at_blows, calibrated=calibrated,
+            step_s=step_s,
+        )  # fmt: skip
         settings = AcquisitionSettings(
             board_port="board", can_channel="can", arm=arm, plan=plan,
             journal=root / "data" / "session.journal", session_id="a" * 16,

@@ -11,6 +11,7 @@ PULSE_SAMPLES = 8
 RING_COUNTS = 300_000
 RING_DOWN_SAMPLES = 25.0
 RING_PERIODS = (17.0, 23.0, 31.0)
+AHEAD = 4096  # samples whose noise is made at once
 NOISE_COUNTS = 401  # noise is this many counts wide
 
 
@@ -41,6 +42,8 @@ class KnownArm:
         self._salt = salt
         self._first = 0
         self._hits = []
+        self._noise = hash_noise(0, 0, salt)
+        self._noise_first = 0  # sample that it begins with
 
     def set_posture(self, joints_rad):
         """The samples do not depend on it."""
@@ -55,18 +58,33 @@ class KnownArm:
         self._hits.append((at_sample, blow))
 
     def read(self, n):
-        counts = known_counts(self._first, n, self._hits, self._salt)
+        begin = self._first - self._noise_first
+        if begin + n > len(self._noise):
+            # Much at once: an array of four samples takes as long to make.
+            self._noise, self._noise_first = (
+                hash_noise(self._first, n + AHEAD, self._salt),
+                self._first,
+            )
+            begin = 0
+        counts = with_hits(self._noise[begin : begin + n], self._first, self._hits)
         self._first += n
         return counts
 
 
 def known_counts(first, n, hits, salt):
     """Counts (n, 4) of hammer and accelerometer from sample `first` on."""
+    return with_hits(hash_noise(first, n, salt), first, hits)
+
+
+def with_hits(noise, first, hits):
+    """Counts whose noise, from sample `first` on, is given."""
+    n = len(noise)
+    near = [hit for hit in hits if first - 40 * RING_DOWN_SAMPLES < hit[0] < first + n]
+    if not near:
+        return noise.astype(np.int32)
     index = np.arange(first, first + n, dtype=np.float64)
-    counts = hash_noise(first, n, salt).astype(np.float64)
-    for at, blow in hits:
-        if not first - 40 * RING_DOWN_SAMPLES < at < first + n:
-            continue
+    counts = noise.astype(np.float64)
+    for at, blow in near:
         since = index - at
         during = (since > 0.0) & (since < PULSE_SAMPLES)
         counts[during, 0] += blow.peak_counts * np.sin(np.pi * since[during] / PULSE_SAMPLES)

@@ -159,12 +159,17 @@ class Epoch:
 
 
 class VirtualLab:
-    """Everything of a session that is not the acquisition itself."""
+    """Everything of a session that is not the acquisition itself.
+
+    `step_s` is lab time between two looks at what is due. Sampling, faults and triggers keep to the
+    sample whatever it is.
+    """
 
     def __init__(
         self, plan, directory, *, seed, faults, at_blows=(), block_capacity=BLOCK_CAPACITY,
-        calibrated=True,
+        calibrated=True, step_s=STEP_S,
     ):  # fmt: skip
+        self.step_s = step_s
         self.plan = plan
         self.behind_s = 0.0  # by which the computer slept while the laboratory went on
         self.wall_s = 1000.0
@@ -242,7 +247,7 @@ class VirtualLab:
     def advance(self, seconds):
         until_s = self.wall_s + seconds
         while self.wall_s < until_s:
-            self.wall_s = min(self.wall_s + STEP_S, until_s)
+            self.wall_s = min(self.wall_s + self.step_s, until_s)
             self.step()
         if self.wall_s > self.operator.begun_s + HANGS_AFTER_S:
             raise HangError(f"still running at {self.wall_s - 1000.0:.0f} s of the laboratory")

@@ -36,6 +36,7 @@ def test_no_chain_within_the_limits_has_a_lower_sum_of_compliances(seed):
     assert sums[tuple(chosen)] <= min(sums.values()) * (1.0 + 1e-5)
 
 
+@pytest.mark.long
 def test_along_a_path_no_joint_turns_faster_than_the_path_s_own_and_the_tool_gives_way_less():
     ready = batched(chain_arm(7))
     ends = np.array([[0.3, -0.8, -0.2, 1.1, 0.4, 0.8, 0.1], [-0.5, -0.6, 0.3, 0.9, -0.3, 0.6, 0.0]])

@@ -45,6 +45,7 @@ def test_the_tool_of_seven_joints_stays_where_it_is():
         np.testing.assert_allclose(steps, STEP_RAD, rtol=0.02)
 
 
+@pytest.mark.long
 def test_it_is_the_same_curve_from_any_of_its_postures():
     """Its samples lie elsewhere by a part of a step, so that the best differs by a little."""
     ready = batched(wide(SEVEN, (-2.5, 2.5)))
@@ -71,6 +72,7 @@ def test_a_closed_motion_is_followed_once():
     assert 2.0 * np.pi - 2.0 * STEP_RAD < np.ptp(found[:, 5]) < 2.0 * np.pi
 
 
+@pytest.mark.long
 def test_a_tool_across_the_last_axis_gains_by_its_turn_and_one_along_it_does_not():
     viper = load_arm("viper_s650")
     ready = batched(with_effects(viper, axis(viper.joints[1].link.name)))

@@ -71,8 +71,8 @@ def faulty(fault, points):
     ("fault", "points"),
     [
         (Fault.AXIS_SWAPPED, ("6",)),
-        (Fault.GAIN, ("6",)),
-        (Fault.SIGN_FLIPPED, None),
+        pytest.param(Fault.GAIN, ("6",), marks=pytest.mark.long),
+        pytest.param(Fault.SIGN_FLIPPED, None, marks=pytest.mark.long),
         pytest.param(Fault.SIGN_FLIPPED, ("6",), marks=pytest.mark.long),
         pytest.param(Fault.AXIS_SWAPPED, None, marks=pytest.mark.long),
         pytest.param(Fault.GAIN, None, marks=pytest.mark.long),

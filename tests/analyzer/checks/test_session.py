@@ -37,7 +37,9 @@ def of(findings, check, posture):
     return [f for f in findings if f.check == check and f.posture == posture]
 
 
-@pytest.mark.parametrize("form", [FrfForm.ACCELERANCE, FrfForm.RECEPTANCE])
+@pytest.mark.parametrize(
+    "form", [pytest.param(FrfForm.ACCELERANCE, marks=pytest.mark.long), FrfForm.RECEPTANCE]
+)
 def test_given_frfs_are_checked_without_single_hits(two_postures, superset, frfs, from_hits, form):
     given = tuple(convert_form(frf, form) for frf in frfs)
     only = replace(two_postures, hits=(), frfs=given)

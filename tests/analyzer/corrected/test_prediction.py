@@ -17,6 +17,7 @@ ARM = with_effects("rv4frl", axis("shoulder"))
 DEG = (0.0, 30.0, 30.0, 0.0, 90.0, 0.0)
 
 
+@pytest.mark.long
 def test_the_spread_of_the_file_s_values_is_the_predicted_deviation():
     few = replace(
         ARM,

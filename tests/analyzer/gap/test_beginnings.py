@@ -47,6 +47,7 @@ def stage(superset, ordinary, lines):
     return Stage(superset, measured, Discrepancy())
 
 
+@pytest.mark.long
 def test_the_joint_of_a_servo_promises_most_from_its_beginnings_and_nothing_of_no_size(
     ordinary, stage
 ):

@@ -25,6 +25,7 @@ def made(rng, errors=None):
     return parts, e
 
 
+@pytest.mark.long
 def test_what_a_fit_took_of_the_errors_is_given_back_on_average():
     rng = np.random.default_rng(1)
     ratios, fitted = [], []

@@ -21,13 +21,22 @@ THROUGH_AXIS_5 = np.array([-0.259, 0.966, 0.0])
 
 
 @pytest.fixture(scope="module")
-def case():
-    return small_case(9, "ur5")
-
-
-def notes(case, direction):
-    """Of the plan's postures, and the one above with hits along a direction."""
+def measured():
+    """The case, its session, the arm's models and the stages of a search."""
+    case = small_case(9, "ur5")
     session = case.session()
+    superset = Superset(session.header.arm)
+    return (
+        case,
+        session,
+        superset,
+        annealing_stages(superset, session, estimate_frfs(session, superset)),
+    )
+
+
+def notes(measured, direction):
+    """Of the plan's postures, and the one above with hits along a direction."""
+    case, session, superset, stages = measured
     test = Test(
         joints_rad=np.deg2rad(POSTURE_DEG),
         hit_direction=direction / np.linalg.norm(direction),
@@ -35,8 +44,6 @@ def notes(case, direction):
     )
     text = plan_text(test, session.header.plan, case.arm, comment="test")
     more = case.session(plan_from_text(text, case.arm, origin="test"), run=1)
-    superset = Superset(session.header.arm)
-    stages = annealing_stages(superset, session, estimate_frfs(session, superset))
     stage = with_test(stages, superset, more, 2)[-1]
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stage.lines))
     return hit_direction_notes(
@@ -44,8 +51,8 @@ def notes(case, direction):
     )
 
 
-def test_hits_through_an_axis_are_said_to_hardly_move_it_and_those_across_are_not(case):
-    through = notes(case, THROUGH_AXIS_5)
+def test_hits_through_an_axis_are_said_to_hardly_move_it_and_those_across_are_not(measured):
+    through = notes(measured, THROUGH_AXIS_5)
     assert len(through) == 1
     assert "'next test (test 2)': hits hardly move what answers at" in through[0]
-    assert notes(case, np.array([0.966, 0.259, 0.0])) == []
+    assert notes(measured, np.array([0.966, 0.259, 0.0])) == []

@@ -180,8 +180,7 @@ def test_a_law_of_no_size_changes_nothing(kind, arm):
     "kind",
     [
         backlash,
-        microslip,
-        *(pytest.param(k, marks=pytest.mark.long) for k in (friction, softening)),
+        *(pytest.param(k, marks=pytest.mark.long) for k in (friction, microslip, softening)),
     ],
 )
 def test_near_its_point_a_law_is_as_linear_as_it_is_taken_to_be(kind, arm):

@@ -100,9 +100,8 @@ def fitted_gains(parts, instance):
     return np.array(found)
 
 
-@pytest.mark.parametrize(
-    "instance", [GROWS, LOOSE, pytest.param(EITHER_WAY, marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("instance", [GROWS, LOOSE, EITHER_WAY])
 def test_gains_scatter_as_those_of_fitted_replicas(instance, linear):
     found = replica_gains(None, null(), (), [instance, OTHER])
     fitted = fitted_gains(linear, instance)

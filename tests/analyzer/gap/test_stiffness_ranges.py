@@ -51,6 +51,7 @@ def told(stage, ordinary, servo):
     return own, sizes[0].at_most, largest_size(candidate, 1.0)
 
 
+@pytest.mark.long
 def test_a_drive_whose_rotor_is_beyond_the_lines_is_within_the_range_of_k(
     superset, ordinary, lines, servo
 ):
@@ -69,6 +70,7 @@ def test_a_drive_whose_rotor_is_beyond_the_lines_is_within_the_range_of_k(
     assert linear < PART / k < at_most
 
 
+@pytest.mark.long
 def test_a_drive_that_would_bring_its_rotor_s_resonance_does_not_widen_the_range(
     superset, ordinary, lines, servo
 ):

@@ -74,8 +74,9 @@ def test_a_known_mass_is_held_out_and_a_right_name_foretells_it(found):
     assert after.frf_error < before.frf_error / 2
 
 
-def test_nothing_is_found_where_nothing_is_hidden(plain):
-    result = find_gap(plain, gates=False, modes=False, advice=False).result
+def test_nothing_is_found_where_nothing_is_hidden():
+    session = small_case(4, "rv4frl", of=SmallestCase).session()
+    result = find_gap(session, gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NOTHING_DETECTABLE
     assert not result.effects
     assert all(row.low < row.k_n_m_per_rad < row.high for row in result.joint_stiffness_ranges)

@@ -74,6 +74,7 @@ def test_the_gradient_is_that_of_the_cost(superset):
     np.testing.assert_allclose(normal.cluster_hessian.sum(axis=0), normal.H)
 
 
+@pytest.mark.long
 def test_intervals_cover_the_truth_as_often_as_they_say(superset):
     """Two postures, twelve mountings each: sensor tilts of half a degree, two per cent noise."""
     clean, truth = problem(superset, true_structure(), tests=(0, 2))

@@ -111,6 +111,7 @@ def test_a_band_asked_for_is_all_that_is_fitted(session, identified, plant):
         assert joint.k_n_m_per_rad != whole.k_n_m_per_rad
 
 
+@pytest.mark.long
 def test_lines_of_noise_alone_are_left_out_and_said_by_posture(session, identified):
     """A soft tip: above 100 Hz noise of the FRFs' own size, here in one posture."""
     rng = np.random.default_rng(7)

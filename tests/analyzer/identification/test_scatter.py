@@ -29,6 +29,7 @@ def test_the_variance_of_a_mean_is_that_of_the_textbook():
     assert scatter.degrees_of_freedom()[0] == pytest.approx(8.0, rel=1e-12)
 
 
+@pytest.mark.long
 def test_the_95_interval_of_a_mean_covers_it_95_times_in_100():
     rng = np.random.default_rng(2)
     n, inside = 4000, 0

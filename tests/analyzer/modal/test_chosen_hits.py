@@ -69,6 +69,7 @@ def test_three_hits_are_averaged_as_they_are():
     assert all(choice.dropped == () for choice in hit_choices(made, "p"))
 
 
+@pytest.mark.long
 def test_keeping_the_most_alike_does_not_make_the_variance_too_small():
     ratios = []
     for seed in range(12):

@@ -25,7 +25,7 @@ def real_residues(rng, poles, n_resp, n_ref):
 
 @pytest.mark.parametrize("form", list(FrfForm))
 @pytest.mark.parametrize(
-    "seed", [0, 1, *(pytest.param(i, marks=pytest.mark.long) for i in range(2, 4))]
+    "seed", [0, *(pytest.param(i, marks=pytest.mark.long) for i in range(1, 4))]
 )
 def test_eight_modes_are_found_and_none_beside_them(form, seed):
     made = eight_modes(np.random.default_rng(seed), form=form)

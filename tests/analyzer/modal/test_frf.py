@@ -93,6 +93,7 @@ def test_roving_hammer_has_the_fixed_sensors_axes_as_responses():
     assert same.responses[0].point == "1"
 
 
+@pytest.mark.long
 def test_stated_variance_is_that_of_repeated_sessions():
     rng = np.random.default_rng(5)
     R = residues(rng, 4)

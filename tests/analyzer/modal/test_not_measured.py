@@ -106,6 +106,7 @@ def test_what_stands_in_a_hole_is_not_looked_at():
     assert np.array_equal(clean.covariance, dirty.covariance)
 
 
+@pytest.mark.long
 def test_holes_widen_the_deviations_and_move_nothing_else():
     rng = np.random.default_rng(5)
     whole = eight_modes(rng, n_resp=12, n_ref=3).frf
@@ -151,6 +152,7 @@ def test_a_roving_hammer_may_leave_out_driving_points():
     )
 
 
+@pytest.mark.long
 def test_moving_modes_are_told_where_an_frf_is_missing():
     made = drifting(np.random.default_rng(4), 1.0, nominal_hz=TWO_HZ)
     measured = np.ones(made.frf.values.shape[:2], dtype=bool)
@@ -222,6 +224,7 @@ def test_frfs_that_no_shape_joins_are_refused(holes, wanted):
         fit_modes(without(frf, measured))
 
 
+@pytest.mark.long
 def test_receptances_are_fitted_alike():
     made = several_references(np.random.default_rng(8))
     s2 = (2j * np.pi * made.frf.freq_hz) ** 2

@@ -128,9 +128,10 @@ def test_several_references_reach_the_bound_of_all_of_them(n_ref, draws, most):
 
 
 # Of n draws 46 n and 6 n intervals of nominal 95 %: four deviations of a quarter's smaller share.
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("draws", "low", "high"),
-    [(25, 0.88, 0.99), pytest.param(100, 0.9, 0.98, marks=pytest.mark.long)],
+    [(25, 0.88, 0.99), (100, 0.9, 0.98)],
 )
 def test_stated_shape_deviations_cover(draws, low, high):
     poles = poles_of([12.0, 14.0], [0.03, 0.03])
@@ -164,6 +165,7 @@ def test_stated_shape_deviations_cover(draws, low, high):
     assert low <= np.mean(np.concatenate(sides)) <= high
 
 
+@pytest.mark.long
 def test_orders_beyond_a_hundred_give_the_same_modes():
     truth = eight_modes(np.random.default_rng(3), n_resp=8)
     models = [fit_modes(truth.frf, max_order=order) for order in (60, 130)]

@@ -31,16 +31,13 @@ def noisy_points(rng, motion):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "motion",
     [
-        pytest.param(  # two on the base
-            np.array([[1.0, 1.0], [0.0, 0.0], [0.0, 0.0]]), marks=pytest.mark.long
-        ),
+        np.array([[1.0, 1.0], [0.0, 0.0], [0.0, 0.0]]),  # two on the base
         np.array([[1.0, 1.0], [1e-3, 1e-3], [3e-4, 1e-3], [1e-3, 3e-4]]),
-        pytest.param(  # one mode at one point
-            np.array([[1.0, 1.0], [0.8, 0.0], [0.6, 0.0], [0.7, 0.0]]), marks=pytest.mark.long
-        ),
+        np.array([[1.0, 1.0], [0.8, 0.0], [0.6, 0.0], [0.7, 0.0]]),  # one mode at one point
     ],
 )
 def test_the_stated_std_is_the_scatter_where_one_point_holds_the_information(motion):

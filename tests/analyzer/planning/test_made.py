@@ -142,6 +142,7 @@ def test_the_last_of_four_tests_is_for_validation_and_none_of_three(draft, made)
     assert not any(p.validation for p in plan_from_text(three.text, draft.arm).postures)
 
 
+@pytest.mark.long
 def test_a_short_plan_still_shows_the_motions_of_every_link(draft, made):
     """By the rank of the points' rigid motions in the base frame, worked out here."""
     arm, limit = draft.arm, made.minutes - 20.0

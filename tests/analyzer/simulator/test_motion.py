@@ -128,6 +128,7 @@ def point_place(arm, point_id, q):
     return (link_pose(arm, point.link, q) @ [*point.position_m, 1.0])[:3]
 
 
+@pytest.mark.long
 def test_meshes_of_the_user_are_found_from_the_user_s_folder(arm, tmp_path, monkeypatch):
     """Of a file that is named from elsewhere, its meshes in a folder beside it."""
     mine = tmp_path / "mine"

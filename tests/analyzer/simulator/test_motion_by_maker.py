@@ -13,7 +13,7 @@ mujoco = pytest.importorskip("mujoco")
 COMPLIANCE, LOSS = 1e-5, 1e-4
 
 
-@pytest.mark.parametrize("true", [True, False])
+@pytest.mark.parametrize("true", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_true_effect_closes_the_gap_on_a_far_move_and_a_null_s_opens_it(true, tmp_path):
     ideal = Ideal("ur10e")
     arm = arm_of(ideal, LOSS_S)

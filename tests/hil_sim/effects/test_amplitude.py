@@ -32,6 +32,7 @@ def test_coulomb_friction_takes_four_limits_times_the_slip_from_a_cycle():
     assert loop(element, 0.9e-4)[1] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.long
 def test_microslip_softens_and_loses_more_the_larger_the_swing():
     friction = {"kind": "friction", "limit_n_m": 0.5, "stiffness_n_m_per_rad": 5000.0}
     element = element_of(friction | {"elements": 6})

@@ -29,7 +29,9 @@ def test_every_text_of_variable_length_is_found(measurements, tmp_path):
     assert len(lengths_told(measurements)) == texts > 0
 
 
-@pytest.mark.parametrize("length", [LONG // 4, LONG, 2**32 - 1])
+@pytest.mark.parametrize(
+    "length", [LONG // 4, *(pytest.param(n, marks=pytest.mark.long) for n in (LONG, 2**32 - 1))]
+)
 def test_a_false_length_of_measurements_is_refused_within_bounds(length, measurements, tmp_path):
     path = tmp_path / "a.nc4"
     for data in with_false_lengths(measurements, length):

@@ -171,13 +171,14 @@ def test_fortran_exponents_are_numbers(tmp_path):
     assert np.allclose(found.functions[0].values, 1e3 * (np.arange(5) + 1j))
 
 
-def test_every_truncation_is_one_error_or_whole_datasets(tmp_path, binary):
+@pytest.mark.parametrize("each", [7, pytest.param(1, marks=pytest.mark.long)])
+def test_every_truncation_is_one_error_or_whole_datasets(tmp_path, binary, each):
     file = whole_file(np.random.default_rng(8), n=9)
     path = tmp_path / "a.uff"
     write_uff(file, path, binary=binary)
     data = path.read_bytes()
     n_whole = len(uff_from_bytes(data, "a").functions)
-    for end in range(len(data)):
+    for end in range(0, len(data), each):
         try:
             found = uff_from_bytes(data[:end], "a")
         except ForeignFileError as error:

@@ -32,7 +32,7 @@ def refused(said, *parts):
     [
         pytest.param(six_joints, 6, marks=pytest.mark.long),
         pytest.param(five_joints, 5, marks=pytest.mark.long),
-        (seven_joints, 7),
+        pytest.param(seven_joints, 7, marks=pytest.mark.long),
         (scara, 3),
     ],
 )

@@ -226,6 +226,7 @@ def test_a_good_table_cut_or_changed_anywhere_is_a_session_or_one_message(
 # Real measurements -------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @real
 def test_nine_files_of_a_beam_are_imported_without_a_word(tmp_path):
     files = sorted((DATA / "beam_9_files").glob("*.txt"))

@@ -71,6 +71,7 @@ def test_a_plan_for_an_arm_with_an_axis_counts_with_its_mode(corrected, small_se
     assert all(len(test["modes"]) == 4 for test in value["tests"])  # of three joints and the axis
 
 
+@pytest.mark.long
 def test_a_plan_for_an_arm_with_a_payload_is_of_the_loaded_links(tmp_path, small_search):
     arm = load_arm("rv4frl")
     path, plan = tmp_path / "arm.toml", tmp_path / "plan.toml"

@@ -231,6 +231,7 @@ def test_a_posture_without_joint_angles_says_why_no_arm_is_drawn(opened, tmp_pat
     assert "no joint angles were measured" in shown["shape"]
 
 
+@pytest.mark.long
 def test_a_wall_screen_is_filled(drive):
     async def steps(app, pilot):
         for key in "123":

@@ -12,7 +12,7 @@ KEPT = Path(__file__).parent / "snapshots"
 NEXT = {"words": "Hit point 7 along y.", "why": "It tells two rivals apart.", "gain": 12.5}
 
 
-@pytest.mark.parametrize("size", [(80, 24), (160, 45)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((160, 45), marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["identify", "gap"])
 def test_the_screen_is_as_kept(drive, name, size):
     async def steps(app, pilot):

@@ -25,7 +25,7 @@ KEYS = {
 }
 
 
-@pytest.mark.parametrize("size", [(80, 24), (160, 45)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((160, 45), marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", SCREENS)
 def test_the_screen_is_as_kept_above_the_keys_in_use(tmp_path, monkeypatch, name, size):
     monkeypatch.delenv("NO_COLOR", raising=False)
