@@ -102,13 +102,14 @@ def reliability_svg(bins: Sequence[Bin]) -> str:
         + _text("16", f"{_SIZE / 2}", "wrong", "middle")
         + "</g>"
     )
-    for own in bins:
+    for number, own in enumerate(bins):
         at = x(1.0 - own.stated)
         parts.append(_line(at, y(1.0 - own.right.low), at, y(1.0 - own.right.high), "#1f5fa8"))
         level = y(1.0 - own.right.k / own.right.n)
         parts.append(f'<circle cx="{at}" cy="{level}" r="5" fill="#1f5fa8"/>')
         label = f"{own.right.k} of {own.right.n} right"
-        parts.append(_text(f"{float(at) + 5:.1f}", f"{float(level) - 8:.1f}", label, "start"))
+        above = float(level) - 8 - 16 * (number % 2)  # neighbours' labels in two rows
+        parts.append(_text(f"{float(at) + 5:.1f}", f"{above:.1f}", label, "start"))
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
