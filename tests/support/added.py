@@ -65,5 +65,6 @@ def any_of(arm, name, place=None, factor=1.0):
     every = (*instance.parameters, *instance.relaxes.values())
     sizes = {p.name: p.mean + 0.5 * factor * p.std for p in every}
     told = None if instance.describe is None or instance.relaxes else instance.describe(sizes)
+    told = {k: tuple(v) if isinstance(v, list) else v for k, v in (told or {}).items()}  # as read
     values = {file_key(key, instance.place): value for key, value in sizes.items()}
     return added(name, instance.place or "whole arm", told, **values)
