@@ -17,7 +17,7 @@ from armodal.daq.serial_port import SerialPort
 from armodal.hil_sim.broken_board import BROKEN_BOARDS, broken_board
 from armodal.protocols.errors import DeviceTimeoutError, FrameError, PlantError, PortError
 
-OPTIONS = BoardCheckOptions(duration_s=1.5, rate_hz=Fraction(51_200, 8))
+OPTIONS = BoardCheckOptions(duration_s=3.0, rate_hz=Fraction(51_200, 8))
 
 CAUGHT = {
     "any-session": ("session", "WRONG_SESSION wanted, got OK"),

@@ -12,7 +12,7 @@ from armodal.hil_sim.study import plant_of_arm, study_arm
 from armodal.hil_sim.study.model_error import erring_plant_tables
 from armodal.hil_sim.study.plant_of_arm import plant_file_of_arm
 
-SEEDS = 100
+SEEDS = 200
 VISCOUS = 0.8  # of the arm file's damping; the rest is hysteretic
 SHEAR = 0.02  # of each element by which an inertia's axes are turned and stretched
 

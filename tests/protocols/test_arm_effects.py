@@ -76,7 +76,7 @@ def an_effect(draw):
     )
 
 
-@settings(max_examples=10)
+@settings(max_examples=25)
 @given(effects=st.lists(an_effect(), max_size=3))
 def test_effects_come_back_as_they_were_written(effects) -> None:
     assert read(text_with_effects(ARM, effects)).effects == tuple(effects)
