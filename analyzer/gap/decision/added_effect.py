@@ -12,7 +12,8 @@ from armodal.analyzer.gap.inference.held_out import HeldOut
 from armodal.analyzer.gap.library import together
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.rivals import PATIENCE, STEPS, annealed
+from armodal.analyzer.gap.search.race import PATIENCE, STEPS
+from armodal.analyzer.gap.search.rivals import annealed
 
 __all__ = ["Step", "beside_rivals", "with_step"]
 

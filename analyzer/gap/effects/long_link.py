@@ -24,7 +24,7 @@ Array = npt.NDArray[np.float64]
 _SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
 # Where along it a link gives way: ln of its softness at the tip over that at the root, and at the
 # middle over that of the ends.
-_TAPER_STD, _MIDDLE_STD = 1.5, 1.5
+_TAPER_STD, _MIDDLE_STD = 1.9, 1.9
 _ASIDE_STD_M = 0.03  # of the line it gives way along, across it
 _START = 0.03  # of the size's deviation: from zero a first step misleads
 
@@ -124,7 +124,7 @@ def given_way(
 
 def _parts(taper: float, middle: float) -> tuple[Array, Array]:
     """Parts (SLICES,) of the whole that each hinge yields, and their slopes (2, SLICES)."""
-    place = np.linspace(-0.5, 0.5, SLICES)
+    place = (np.arange(SLICES) + 0.5) / SLICES - 0.5
     by = np.stack([place, 1.0 - 2.0 * np.abs(place)])
     parts = scipy.special.softmax(np.array([taper, middle]) @ by)
     return parts, parts * (by - (by @ parts)[:, None])

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_at, fit_hypothesis
-from armodal.analyzer.gap.search.rivals import PATIENCE, STEPS
+from armodal.analyzer.gap.search.race import PATIENCE, STEPS
 from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["HiddenSize"]

@@ -29,78 +29,17 @@ from armodal.analyzer.gap.search.candidates import (
     others_beside,
 )
 from armodal.analyzer.gap.search.laws import fitted_laws
+from armodal.analyzer.gap.search.race import BESIDE, MOST_STEPS, PATIENCE, STEPS, Race
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["LOOK", "PATIENCE", "STEPS", "Rivals", "annealed", "find_rivals"]
+__all__ = ["LOOK", "Rivals", "annealed", "find_rivals"]
 
 _KEPT = 28  # candidates fitted on the widest lines; on each sharper stage half as many
 LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starting points
 _LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
-STEPS, MOST_STEPS = 3, 28  # of a fit until it is asked whether to go on, and in all
-# A fit goes on while so many times what it still promises could bring it beside the best: within
-# what tells two apart.
-PATIENCE, _BESIDE = 3.0, 25.0
 
 Progress = Callable[[str], None]
-
-
-class _Race:
-    """Fits on one stage: each goes on only while it may still come beside the best so far.
-
-    `behind`: evidence beyond which a fit is of no use whatever others reach.
-    """
-
-    def __init__(self, stage: Stage, behind: float = float("inf")) -> None:
-        self.stage = stage
-        self._behind = behind
-
-    def is_hopeless(self, fit: Fit) -> bool:
-        """Whether several times what its quadratic promises leaves a fit behind."""
-        return fit.evidence - PATIENCE * fit.promised > self._behind
-
-    def fit(
-        self,
-        hypothesis: Hypothesis,
-        *,
-        start: Mapping[str, float] | None = None,
-        resumed: Fit | None = None,
-    ) -> Fit:
-        """Some steps of a fit."""
-        return self.met(
-            fit_hypothesis(
-                self.stage,
-                hypothesis,
-                start=start,
-                resumed=resumed,
-                max_iterations=STEPS,
-                is_hopeless=self.is_hopeless,
-            )
-        )
-
-    def further(self, fit: Fit) -> Fit:
-        """Some steps more, where it has not ended on these lines."""
-        if fit.converged and fit.on is not None and fit.on[0] is self.stage:
-            return self.met(fit)
-        return self.fit(fit.hypothesis, resumed=fit)
-
-    def to_its_end(self, fit: Fit) -> Fit:
-        """Some steps more at a time, until it ends or is hopeless."""
-        for _ in range(0, MOST_STEPS, STEPS):
-            further = self.further(fit)
-            if further is fit or further.converged or self.is_hopeless(further):
-                return further
-            fit = further
-        return fit
-
-    def is_in_reach(self, base: Fit, promised: float) -> bool:
-        """Whether several times what is promised about a fit would not leave it behind."""
-        return base.evidence - PATIENCE * promised < self._behind
-
-    def met(self, fit: Fit) -> Fit:
-        """A fit that others are set beside from now on."""
-        self._behind = min(self._behind, fit.evidence + _BESIDE)
-        return fit
 
 
 NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
@@ -178,9 +117,9 @@ def find_rivals(
     looked = all_candidates(
         sharp, base[-1], start, from_start=False, others=others, without=without
     )
-    races = {stage: _Race(stage) for stage in stages}
+    races = {stage: Race(stage) for stage in stages}
     # What ends no better than the model without it has no name.
-    race = races[sharp] = _Race(sharp, behind=base[-1].evidence)
+    race = races[sharp] = Race(sharp, behind=base[-1].evidence)
 
     def near(is_wanted: Callable[[Instance, float], bool]) -> list[Fit]:
         promising = [c for c in looked if c.gain > LOOK and is_wanted(c.instance, c.gain)]
@@ -258,7 +197,7 @@ def _kept(stage: int) -> int:
 
 
 def _far(
-    races: Mapping[Stage, _Race],
+    races: Mapping[Stage, Race],
     base: Sequence[Fit],
     present: Hypothesis,
     start: Mapping[str, float],
@@ -288,7 +227,7 @@ def _far(
 
 
 def _from_beginnings(
-    races: Mapping[Stage, _Race],
+    races: Mapping[Stage, Race],
     stages: Sequence[Stage],
     base: Fit,
     without: Collection[tuple[str, str]],
@@ -329,7 +268,7 @@ def _chosen(looked: Sequence[Candidate], most: int) -> list[Candidate]:
 
 
 def _begun(
-    race: _Race,
+    race: Race,
     about: Fit,
     candidate: Candidate,
     start: Mapping[str, float],
@@ -389,7 +328,7 @@ def _part_of_the_way(
     return start
 
 
-def _alternatives(race: _Race, fits: Sequence[Fit]) -> list[Fit]:
+def _alternatives(race: Race, fits: Sequence[Fit]) -> list[Fit]:
     """What leading fits may stand for."""
     found = []
     for fit in fits:
@@ -436,4 +375,4 @@ def _keys(fit: Fit) -> tuple[tuple[str, str], ...]:
 def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
     """One of each effect, place and minimum, by evidence, that may still come beside the best."""
     each = _each_minimum(fits)
-    return [f for f in each if f.evidence - PATIENCE * f.promised < each[0].evidence + _BESIDE]
+    return [f for f in each if f.evidence - PATIENCE * f.promised < each[0].evidence + BESIDE]

@@ -273,7 +273,8 @@ def test_a_link_may_give_way_in_its_middle_alone_or_at_one_end(ordinary, lines, 
     assert even == pytest.approx(np.full(SLICES, even.mean()))
     for shape in ({"middle": 9.0}, {"taper": 3.0}, {"taper": -3.0, "middle": 1.0}):
         assert yields(**shape).sum() == pytest.approx(even.sum())
-    # What is nearest to the middle is half as far from it as the ends: twice exp(-9 / 2) of it.
-    assert yields(middle=9.0)[SLICES // 2] / even.sum() == pytest.approx(1.0, abs=0.025)
-    root, *_, tip = yields(taper=3.0)
-    assert np.log(tip / root) == pytest.approx(3.0)
+    # What stands beside the middle is 2 / SLICES of the way to an end from it.
+    beside = 2.0 * np.exp(-9.0 * 2.0 / SLICES)
+    assert yields(middle=9.0)[SLICES // 2] / even.sum() == pytest.approx(1.0, abs=1.2 * beside)
+    root, *_, tip = yields(taper=3.0)  # half a slice from the ends
+    assert np.log(tip / root) == pytest.approx(3.0 * (1.0 - 1.0 / SLICES))

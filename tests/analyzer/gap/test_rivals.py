@@ -11,7 +11,7 @@ from armodal.analyzer.gap.effects import hit_direction
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.space import Parameter, Space
-from armodal.analyzer.gap.search import rivals
+from armodal.analyzer.gap.search import race, rivals
 from armodal.analyzer.gap.search.rivals import find_rivals
 from armodal.analyzer.gap.search.scan import Candidate
 
@@ -65,9 +65,12 @@ def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
 
     looked = [Candidate(instance=one, gain=100.0) for one in (spring, other)]
     monkeypatch.setattr(rivals, "best_starting_point", better)
-    monkeypatch.setattr(
-        rivals, "fit_hypothesis", lambda _, h, **__: made_fit(h, cost=0.0, space=Space([]), u=[])
-    )
+    for module in (rivals, race):
+        monkeypatch.setattr(
+            module,
+            "fit_hypothesis",
+            lambda _, h, **__: made_fit(h, cost=0.0, space=Space([]), u=[]),
+        )
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
     monkeypatch.setattr(rivals, "others_beside", lambda _: [])
@@ -112,6 +115,7 @@ def test_of_several_minima_the_one_that_is_ahead_after_some_steps_may_be_the_wor
 
     monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
     monkeypatch.setattr(rivals, "fit_hypothesis", fitted)
+    monkeypatch.setattr(race, "fit_hypothesis", fitted)
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
     monkeypatch.setattr(rivals, "others_beside", lambda _: [])
@@ -135,6 +139,7 @@ def test_what_cannot_come_beside_the_best_is_left_where_it_stands(monkeypatch):
     ]
     monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
     monkeypatch.setattr(rivals, "fit_hypothesis", fitted)
+    monkeypatch.setattr(race, "fit_hypothesis", fitted)
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
     monkeypatch.setattr(rivals, "others_beside", lambda _: [])
