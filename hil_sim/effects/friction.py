@@ -16,7 +16,7 @@ from armodal.hil_sim.truth import Positive
 
 __all__ = ["OF_FILE", "Friction"]
 
-_SLIDERS = 16  # of a seat that slips little by little: steps of a sixteenth of its limit
+_SLIDERS = 8  # elements that the law of an arm file is made of, by its definition (`theory-gap.md`)
 _CREEPS = 1.0  # 1/s: less is none within the second that a hit rings
 
 
