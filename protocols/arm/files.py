@@ -139,6 +139,11 @@ def arm_from_texts(
             hammer_gain=t.hammer_gain,
             hit_direction_rad=math.radians(t.hit_direction_deg),
             moving_mass=t.moving_mass,
+            usual=tuple(
+                key
+                for key, of in type(t).model_fields.items()
+                if key not in t.model_fields_set and of.default is not None
+            ),
         ),
         can=can,
         text=text,

@@ -7,7 +7,7 @@ frame of the first link. Lengths m, angles rad here; files carry degrees where t
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -112,6 +112,18 @@ class Tolerances:
     hammer_gain: float  # relative
     hit_direction_rad: float
     moving_mass: float | None = None  # relative, of all moving links together; None: not weighed
+    # Keys that the arm file left out: usual values stand in their place.
+    usual: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Return the sentence that every result carries where the file left some out."""
+        if not self.usual:
+            return ()
+        return (
+            f"the arm file tells no tolerance of {', '.join(self.usual)}: usual values were taken, "
+            "and results are as uncertain as these; put the arm's own under [tolerances]",
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -110,7 +110,7 @@ def import_session(manifest: Manifest, *, created: str, software: str) -> Sessio
         hits=hit_records(hits, dictionary),
         losses=(),
         complete=True,
-        warnings=_gathered(said),
+        warnings=(*arm.tolerances.remarks, *_gathered(said)),
         frfs=tuple(frfs),
     )
 

@@ -130,7 +130,12 @@ def session_of(journal: Journal) -> Session:
         hits=journal.hits,
         losses=journal.losses,
         complete=is_complete(journal.header.plan, journal.hits),
-        warnings=angles_by_hand(journal.header) + journal.warnings + skipped + calibrated + moved,
+        warnings=angles_by_hand(journal.header)
+        + journal.header.arm.tolerances.remarks
+        + journal.warnings
+        + skipped
+        + calibrated
+        + moved,
     )
 
 

@@ -71,8 +71,13 @@ def test_tolerances_that_are_left_out_are_the_usual_ones(tmp_path: Path) -> None
     path = tmp_path / "a.toml"
     path.write_text(DH_ARM[: DH_ARM.index("[tolerances]")], encoding="utf-8")
     assert load_arm(path).tolerances == load_arm("rv4frl").tolerances
+    (said,) = load_arm(path).tolerances.remarks
+    assert "no tolerance of mass, inertia, center_m, encoder_offset_deg" in said
+    assert load_arm("rv4frl").tolerances.remarks == ()
     path.write_text("tolerances = { mass = 0.2 }\n" + path.read_text(), encoding="utf-8")
     assert load_arm(path).tolerances == replace(load_arm("rv4frl").tolerances, mass=0.2)
+    (said,) = load_arm(path).tolerances.remarks
+    assert "no tolerance of inertia" in said
 
 
 def message_after(tmp_path: Path, old: str, new: str, text: str = TEXT) -> str:

@@ -97,7 +97,7 @@ def _check_hits(accepted: Sequence[Hit], of_what: str) -> None:
 
 def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
     """What a reader must know of a session that was judged, and of its further tests."""
-    notes = [*angles_by_hand(session.header)]
+    notes = [*angles_by_hand(session.header), *session.header.arm.tolerances.remarks]
     for number, other in enumerate(more, start=2):
         notes += [f"test {number}: {said}" for said in angles_by_hand(other.header)]
     of_hits = {hit.posture for hit in session.hits}

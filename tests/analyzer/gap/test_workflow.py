@@ -121,6 +121,12 @@ def test_what_was_not_judged_and_what_closed_the_levels_is_said(plain):
     averaged = SimpleNamespace(posture="averaged")
     mixed = SimpleNamespace(hits=plain.hits, frfs=(averaged,), complete=True, header=plain.header)
     assert any("were not judged: averaged" in note for note in notes_on(mixed, ()))
+    assert not any("no tolerance of" in note for note in notes_on(mixed, ()))
+    arm = plain.header.arm
+    mixed.header = replace(
+        plain.header, arm=replace(arm, tolerances=replace(arm.tolerances, usual=("mass",)))
+    )
+    assert any("no tolerance of mass" in note for note in notes_on(mixed, ()))
     levels = small_case(4, "rv4frl", ladder=True).session()
     assert not any("softly and hard" in note for note in notes_on(levels, [levels]))
     assert any("test 3 was not hit softly" in note for note in notes_on(levels, [levels, plain]))
