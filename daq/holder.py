@@ -106,8 +106,7 @@ def _boot_id() -> str:
 def _asked(*command: str) -> str:
     """Return what a system without /proc says, empty where it says nothing."""
     try:
-        # Fixed programs, and numbers as arguments.
-        said = subprocess.run(  # noqa: S603
+        said = subprocess.run(  # noqa: S603 - fixed programs, and numbers as arguments
             command, capture_output=True, text=True, timeout=2.0, check=False
         )
     except (OSError, subprocess.TimeoutExpired):

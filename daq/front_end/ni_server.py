@@ -85,7 +85,7 @@ def _deadline(grpc: Any) -> Any:
         def intercept_unary_unary(self, continuation: Any, details: Any, request: Any) -> Any:
             return continuation(_Details(details), request)
 
-    class _Details(grpc.ClientCallDetails):  # type: ignore[misc]
+    class _Details(grpc.ClientCallDetails):  # type: ignore[misc]  # likewise
         def __init__(self, of: Any) -> None:
             self.method, self.metadata, self.credentials = of.method, of.metadata, of.credentials
             self.wait_for_ready, self.compression = of.wait_for_ready, of.compression

@@ -120,10 +120,11 @@ class Tolerances:
         """Return the sentence that every result carries where the file left some out."""
         if not self.usual:
             return ()
-        return (
+        said = (
             f"the arm file tells no tolerance of {', '.join(self.usual)}: usual values were taken, "
-            "and results are as uncertain as these; put the arm's own under [tolerances]",
+            "and results are as uncertain as these; put the arm's own under [tolerances]"
         )
+        return (said,)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
