@@ -43,7 +43,7 @@ def sliced(
             if on == link and name not in assembly.perch and (position - place) @ axis < 0.0
         )
         for way, direction in enumerate(directions):
-            label = f"{word} {i}.{way + 1} of {link}"
+            label = slice_label(word, i, way + 1, link)
             is_last = way == len(directions) - 1
             assembly = assembly.split(
                 at,
@@ -57,6 +57,11 @@ def sliced(
             )
             at = label
     return assembly
+
+
+def slice_label(word: str, cut: int, way: int, link: str) -> str:
+    """Name of a hinge, cuts and ways counted from one."""
+    return f"{word} {cut}.{way} of {link}"
 
 
 def _parts(whole: Inertial, axis: Array, length: float, cuts: int) -> list[Inertial]:

@@ -205,6 +205,7 @@ def _matrices(assembly: Assembly, gives: Sequence[int]) -> dict[str, Array]:
         if not np.isnan(gamma):
             found["stiffness"][at, at] += 1.0 / gamma
             found["damping"][at, at] += assembly.compliance_loss_s[at] / gamma
+            found["loss"][at, at] += assembly.compliance_loss_factor[at] / gamma
     return {kind: matrix[np.ix_(gives, gives)] for kind, matrix in found.items()}
 
 
@@ -214,6 +215,7 @@ def _alike(one: Assembly, other: Assembly) -> bool:
         (np.stack(one.columns), np.stack(other.columns)),
         (np.array(one.compliance), np.array(other.compliance)),
         (np.array(one.compliance_loss_s), np.array(other.compliance_loss_s)),
+        (np.array(one.compliance_loss_factor), np.array(other.compliance_loss_factor)),
         (np.array([v for *_, v in one.terms]), np.array([v for *_, v in other.terms])),
         (np.stack(one.link_inertia), np.stack(other.link_inertia)),
     ]

@@ -125,5 +125,8 @@ def _refuse_missing(arm: Arm, instances: tuple[Instance, ...]) -> None:
 
 def _wanted(instance: Instance) -> list[str]:
     """Keys without which it would be another effect: where an axis lies its description tells."""
-    keys = [file_key(p.name, instance.place) for p in instance.parameters]
-    return [key for key in keys if not key.startswith(("axis_tilt", "axis_shift"))]
+    return [
+        file_key(p.name, instance.place)
+        for p in instance.parameters
+        if p.untold is None and p.name not in instance.begins_at
+    ]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import REFERENCE_RAD_S
 from armodal.analyzer.arm.structure import Axis, Held
 from armodal.analyzer.corrected.chain import LOCKED, chain_of
 from armodal.analyzer.corrected.correction import Correction, correction_of, stepped
@@ -41,7 +42,7 @@ def held_arm(arm: Arm) -> HeldArm:
     ArmError
         If an effect is not the same in every posture, hangs on a joint's stiffness or damping
         itself, divides a link, turns a joint by another one's spring or an angle by an offset, or
-        has a loss factor; all are named.
+        gives a joint a loss factor; all are named.
     """
     if not arm.effects:
         return HeldArm(arm=arm, axes=(), held=None, notes=())
@@ -65,6 +66,9 @@ def held_arm(arm: Arm) -> HeldArm:
     notes = [f"as the arm file has them, not fitted: {names}"] if names else []
     if lines:
         notes.append(f"fitted anew from where the arm file has them: {', '.join(lines.values())}")
+    if any(at.compliance_loss_factor):
+        at_hz = REFERENCE_RAD_S / (2.0 * np.pi)
+        notes.append(f"their loss factors count as dashpots that lose as much at {at_hz:.0f} Hz")
     return HeldArm(
         arm=with_bodies(arm, at),
         axes=tuple(_axis(correction, at, at.names[size]) for size in lines),
@@ -84,7 +88,7 @@ def _axis(correction: Correction, at: Assembly, column: int) -> Axis:
         direction=angular,
         point_m=np.cross(angular, linear),
         stiffness_n_m_per_rad=k,
-        damping_n_m_s_per_rad=k * at.compliance_loss_s[column],
+        damping_n_m_s_per_rad=k * _loss_s(at, column),
     )
 
 
@@ -103,7 +107,7 @@ def _held(correction: Correction, at: Assembly, free: Sequence[int]) -> Held:
             found[kind][i, j] += value
     for i in gives:
         found["stiffness"][i, i] += 1.0 / at.compliance[i]
-        found["damping"][i, i] += at.compliance_loss_s[i] / at.compliance[i]
+        found["damping"][i, i] += _loss_s(at, i) / at.compliance[i]
     moved = np.stack(at.columns, axis=1)
     found["mass"] += moved[:6].T @ at.base_inertia @ moved[:6]
     name_of = coordinate_names(at)
@@ -112,6 +116,11 @@ def _held(correction: Correction, at: Assembly, free: Sequence[int]) -> Held:
         motion=moved[:, gives],
         **{kind: matrix[np.ix_(chosen, chosen)] for kind, matrix in found.items()},
     )
+
+
+def _loss_s(at: Assembly, column: int) -> float:
+    """Damping over stiffness: of a loss factor, that which loses as much at the reference."""
+    return at.compliance_loss_s[column] + at.compliance_loss_factor[column] / REFERENCE_RAD_S
 
 
 def _beside_drives(correction: Correction, at: Assembly) -> list[tuple[str, int, int, float]]:
@@ -135,7 +144,9 @@ def _why_not(own: Correction) -> str:
         "hangs on a joint's stiffness or damping": (
             _beside_drives(own, at) != _beside_drives(own, other)
         ),
-        "has a loss factor": any(kind == "loss" and value for kind, _, _, value in at.terms),
+        "gives a joint a loss factor": any(
+            kind == "loss" and value for kind, _, _, value in at.terms
+        ),
         "acts between links": bool(at.stretches),
         "divides a link": bool(at.pieces),
         "moves an angle": own.ordinary.encoder(own.values).any(),

@@ -65,7 +65,7 @@ def corrected_modes(
     heard = np.flatnonzero(np.abs(poles) < 2.0 * np.pi * below_hz)[:n_modes]
     poles, vectors = poles[heard], vectors[:, heard]
     if own.loss.any() and poles.size:
-        found = [_settled(own, pole) for pole in poles]
+        found = [_settled(own, *mode) for mode in zip(poles, vectors.T, strict=True)]
         poles = np.array([pole for pole, _ in found])
         vectors = np.stack([shape for _, shape in found], axis=1)
         order = np.argsort(np.abs(poles))
@@ -102,13 +102,15 @@ def _in_modes(posture: CorrectedPosture) -> _InModes:
     )
 
 
-def _settled(own: _InModes, pole: complex) -> tuple[complex, ComplexArray]:
+def _settled(own: _InModes, pole: complex, shape: ComplexArray) -> tuple[complex, ComplexArray]:
+    """Pole and shape of the mode that has this shape: frequencies may pass each other."""
     for _ in range(_MOST_STEPS):
         poles, vectors = _solved(own, complex(hysteresis(np.array(pole))))
-        at = int(np.argmin(np.abs(poles - pole)))
-        before, pole = pole, complex(poles[at])
+        alike = np.abs(shape.conj() @ vectors) / np.linalg.norm(vectors, axis=0)
+        at = int(np.argmax(alike))
+        before, pole, shape = pole, complex(poles[at]), vectors[:, at]
         if abs(pole - before) < _CLOSE * abs(pole):
-            return pole, vectors[:, at]
+            return pole, shape
     raise EstimateError(
         f"the mode near {abs(pole) / (2.0 * np.pi):.1f} Hz does not settle with the arm's loss "
         "factors; check them in its [[effects]]"

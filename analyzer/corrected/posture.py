@@ -121,7 +121,7 @@ def corrected_posture(
         mass=system.mass[chosen],
         damping=system.damping[chosen] + np.diag(k * system.compliance_loss_s[gives]),
         stiffness=system.stiffness[chosen] + np.diag(k),
-        loss=system.loss[chosen],
+        loss=system.loss[chosen] + np.diag(k * system.compliance_loss_factor[gives]),
         point_linear=system.moved[..., gives],
         tool_jacobian=np.vstack([R @ linear, R @ local[3:]]),
         tool_m=R @ tool + p,

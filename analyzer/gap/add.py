@@ -108,9 +108,8 @@ def instances_of_file(ordinary: Ordinary) -> tuple[tuple[Instance, ...], dict[st
         instance = _instance(ordinary, effect)
         known = {p.name: p.value for p in effect.parameters}
         units = {p.name: p.unit for p in effect.parameters if p.unit}
-        own = {p.name: p.unit for p in (*instance.parameters, *instance.relaxes.values())}
-        for name, unit in own.items():
-            key = file_key(name, instance.place)
+        for p in (*instance.parameters, *instance.relaxes.values()):
+            name, unit, key = p.name, p.unit, file_key(p.name, instance.place)
             if units.get(key, unit) != unit:
                 raise ArmError(
                     f"arm '{ordinary.arm.name}': wanted '{key}' of effect '{effect.name}' in "
@@ -119,6 +118,8 @@ def instances_of_file(ordinary: Ordinary) -> tuple[tuple[Instance, ...], dict[st
             # What the description tells is where the instance begins.
             if key in known and name not in instance.begins_at:
                 values[name] = known[key]
+            elif p.untold is not None:
+                values[name] = p.untold
         instances.append(instance)
     return tuple(instances), values
 

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from armodal.hil_sim.assembly import Assembly, Inertial, Segment, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.newton_euler import Body
 from armodal.hil_sim.truth import Positive, Truth, Vector
 
@@ -109,7 +110,9 @@ def _of_file(own: FileEffect) -> Twin:
             for way in ways
         ),
     }
-    return Twin(tables=[table], replaces=[("base", "")])
+    hinges = {f"base {way}": 1.0 / own.sizes[way] for way in ways}
+    lossy = loss_of_file(own.sizes.get("loss_factor", 0.0), hinges)
+    return Twin(tables=[table, *lossy], replaces=[("base", "")])
 
 
 OF_FILE = {"base": _of_file}

@@ -10,6 +10,7 @@ from pydantic import Field
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
+from armodal.hil_sim.effects.interface_loss import loss_of_file
 
 __all__ = ["OF_FILE", "Bearing", "across"]
 
@@ -65,7 +66,13 @@ def _of_file(own: FileEffect) -> Twin:
         for side, direction in zip("ab", sides, strict=True)
         if own.sizes[f"bearing_{side}"] > 0.0
     ]
-    return Twin(tables=tables, replaces=[("bearing", joint.name)])
+    hinges = {
+        f"bearing {side} of the file at {joint.name}": 1.0 / own.sizes[f"bearing_{side}"]
+        for side in "ab"
+        if own.sizes[f"bearing_{side}"] > 0.0
+    }
+    lossy = loss_of_file(own.sizes.get("bearing_loss_factor", 0.0), hinges)
+    return Twin(tables=[*tables, *lossy], replaces=[("bearing", joint.name)])
 
 
 OF_FILE = {"bearing": _of_file}

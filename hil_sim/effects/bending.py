@@ -12,6 +12,8 @@ from armodal.hil_sim.truth import Positive
 
 __all__ = ["OF_FILE", "Bending"]
 
+_WORD = "bend"  # in the names of its hinges
+
 
 class Bending(SlicedLink):
     """Pieces hinged both ways across the line.
@@ -24,11 +26,11 @@ class Bending(SlicedLink):
 
     def assemble(self, assembly: Assembly) -> Assembly:
         """Cut the link across its line, again and again."""
-        return self.hinged(assembly, self.bending_stiffness_n_m2, across(self.along), "bend")
+        return self.hinged(assembly, self.bending_stiffness_n_m2, across(self.along), _WORD)
 
 
 def _of_file(own: FileEffect) -> Twin:
-    return slices_of_file(own, "bending", "bending_stiffness_n_m2")
+    return slices_of_file(own, "bending", "bending_stiffness_n_m2", _WORD, ways=2)
 
 
 OF_FILE = {"link_bending": _of_file}

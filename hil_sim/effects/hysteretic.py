@@ -14,9 +14,11 @@ from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.linear import LinearTerms, MaxwellElement
 from armodal.hil_sim.truth import Interval, Positive
 
-__all__ = ["OF_FILE", "Hysteretic"]
+__all__ = ["FILE_HZ", "OF_FILE", "Hysteretic", "beside_a_spring"]
 
 Array = npt.NDArray[np.float64]
+
+FILE_HZ = 30.0  # at which a file's stiffness is meant
 
 
 def relative_strengths(band_hz: tuple[float, float], n: int) -> tuple[Array, Array]:
@@ -61,22 +63,42 @@ class Hysteretic(BaseEffect):
 
     def act(self, terms: LinearTerms) -> None:
         """Put Maxwell elements beside the joints' springs."""
-        rates, strengths = relative_strengths(self.band_hz, self.elements)
         middle = self.reference_hz or float(np.sqrt(self.band_hz[0] * self.band_hz[1]))
-        w2 = (2.0 * np.pi * middle) ** 2
-        stored = float(np.sum(strengths * w2 / (w2 + rates**2)))
         for name in self.joints or terms.springs:
             row = terms.stretch_of(name)
             k = terms.springs[name].k
-            terms.K = terms.K - self.loss_factor * k * stored * np.outer(row, row)
+            law = self.band_hz, self.elements
+            beside_a_spring(terms, row, self.loss_factor * k, law, middle)
             if self.replaces_viscous:
                 terms.C = terms.C - terms.springs[name].c * np.outer(row, row)
-            for rate, strength in zip(rates, strengths, strict=True):
-                terms.maxwell.append(
-                    MaxwellElement(
-                        row=row, k=self.loss_factor * k * float(strength), rate_rad_s=float(rate)
-                    )
-                )
+
+
+def beside_a_spring(
+    terms: LinearTerms,
+    row: Array,
+    lossy: float,
+    law: tuple[tuple[float, float], int],
+    reference_hz: float,
+) -> None:
+    """Put Maxwell elements beside a spring, which keeps its stiffness at a frequency.
+
+    Parameters
+    ----------
+    row
+        (n,) by which it is stretched.
+    lossy
+        Loss factor times stiffness.
+    law
+        Band in Hz over which the factor is constant, and number of elements.
+    """
+    rates, strengths = relative_strengths(*law)
+    w2 = (2.0 * np.pi * reference_hz) ** 2
+    stored = float(np.sum(strengths * w2 / (w2 + rates**2)))
+    terms.K = terms.K - lossy * stored * np.outer(row, row)
+    terms.maxwell += [
+        MaxwellElement(row=row, k=lossy * float(strength), rate_rad_s=float(rate))
+        for rate, strength in zip(rates, strengths, strict=True)
+    ]
 
 
 def _of_file(own: FileEffect) -> Twin:
@@ -87,7 +109,7 @@ def _of_file(own: FileEffect) -> Twin:
             "kind": "hysteretic",
             "joints": (name,),
             "loss_factor": min(loss, 0.3),
-            "reference_hz": 30.0,  # at which the file's stiffness is meant
+            "reference_hz": FILE_HZ,
         }
         for name, loss in losses.items()
         if loss > 0.0

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
+from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
 __all__ = ["OF_FILE", "LinkAxis"]
@@ -63,7 +64,10 @@ def _of_file(own: FileEffect) -> Twin:
         "mass_before": own.sizes.get("axis_mass_before", 0.0) if before else 0.0,
         "points_before": tuple(before),
     }
-    return Twin(tables=[table | own.spring("axis_compliance", "axis_loss")])
+    spring = own.spring("axis_compliance", "axis_loss")
+    hinge = {str(table["name"]): spring["stiffness_n_m_per_rad"]}
+    lossy = loss_of_file(own.sizes.get("axis_loss_factor", 0.0), hinge)
+    return Twin(tables=[table | spring, *lossy])
 
 
 OF_FILE = {"link_axis": _of_file}

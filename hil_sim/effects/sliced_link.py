@@ -11,7 +11,8 @@ from pydantic import Field, model_validator
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
-from armodal.hil_sim.pieces import sliced
+from armodal.hil_sim.effects.interface_loss import loss_of_file
+from armodal.hil_sim.pieces import slice_label, sliced
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
 __all__ = ["SlicedLink", "slices_of_file"]
@@ -61,11 +62,11 @@ class SlicedLink(BaseEffect):
         return sliced(assembly, self.link, (start, end), directions, springs, word)
 
 
-def slices_of_file(own: FileEffect, kind: str, stiffness: str) -> Twin:
+def slices_of_file(own: FileEffect, kind: str, stiffness: str, word: str, ways: int) -> Twin:
     """A link that bends or twists along its line; where none is told, along that to the next joint.
 
     `taper` is ln of softness at the line's end over that at its start, `middle` that at half its
-    length over that of both ends.
+    length over that of both ends. Each cut has hinges of `word`, one or two `ways`.
     """
     names = [joint.link.name for joint in own.arm.joints]
     link, told = own.effect.place, own.effect.description
@@ -89,4 +90,11 @@ def slices_of_file(own: FileEffect, kind: str, stiffness: str) -> Twin:
         "loss": own.sizes.get(f"{kind}_loss", 0.0),
         stiffness: 1.0 / own.sizes[f"{kind}_compliance"],
     }
-    return Twin(tables=[table])
+    whole_k = 1.0 / (own.sizes[f"{kind}_compliance"] * float(np.linalg.norm(end - start)))
+    hinges = {
+        slice_label(word, i, way, link): float(whole_k * softness.sum() / soft)
+        for i, soft in enumerate(softness, 1)
+        for way in range(1, ways + 1)
+    }
+    lossy = loss_of_file(own.sizes.get(f"{kind}_loss_factor", 0.0), hinges)
+    return Twin(tables=[table, *lossy])

@@ -11,6 +11,8 @@ from armodal.hil_sim.truth import Positive
 
 __all__ = ["OF_FILE", "Torsion"]
 
+_WORD = "twist"  # in the names of its hinges
+
 
 class Torsion(SlicedLink):
     """Pieces hinged about the line; with GJ n / L at each of n cuts the whole link has GJ / L."""
@@ -20,11 +22,11 @@ class Torsion(SlicedLink):
 
     def assemble(self, assembly: Assembly) -> Assembly:
         """Cut the link along its line, again and again."""
-        return self.hinged(assembly, self.torsional_stiffness_n_m2, (self.along,), "twist")
+        return self.hinged(assembly, self.torsional_stiffness_n_m2, (self.along,), _WORD)
 
 
 def _of_file(own: FileEffect) -> Twin:
-    return slices_of_file(own, "torsion", "torsional_stiffness_n_m2")
+    return slices_of_file(own, "torsion", "torsional_stiffness_n_m2", _WORD, ways=1)
 
 
 OF_FILE = {"link_torsion": _of_file}

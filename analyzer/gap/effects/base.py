@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_factor_parameter
 from armodal.analyzer.gap.model.assembly import BASE, Assembly, spatial_inertia
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import skew
@@ -44,6 +44,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in BASE_WAYS]
     mass, height, pivot, turn = "base mass", "base height", "base pivot", "base turn"
+    factor = "base loss factor"
     radii_2_m2 = _DISC * 2.0 * ordinary.base_lever_m**2  # the lever is radius over root 2
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -58,6 +59,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.columns[i] = column
         assembly.motion_of[pivot] = list(zip(at, turned @ lower, strict=True))
         assembly.motion_of[turn] = list(zip(at, across @ rocking, strict=True))
+        ways = [assembly.names[name] for name in names]
+        assembly.add_loss_factor(ways, values[factor], factor)
         here, by_mass, by_height = _inertia(values[mass], values[height], radii_2_m2)
         assembly.base_inertia = assembly.base_inertia + here
         assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
@@ -118,6 +121,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     low=-_ANY_TURN,
                     high=_ANY_TURN,
                 ),
+                loss_factor_parameter(factor),
             ),
             relaxes=relaxes,
             builder=build,

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.gap.effects import link_axis
-from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_factor_parameter
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -32,10 +33,20 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     found = []
     for link, joint in enumerate(ordinary.arm.joints):
         names = [f"bearing {side} {joint.name}" for side in "ab"]
+        factor = f"bearing loss factor {joint.name}"
         wide = compliance_parameter("", ordinary, link)
         relaxed: dict[str, Parameter] = {
             name: replace(wide, name=name, start=ordinary.bearing_limit(link)) for name in names
         }
+
+        def build(
+            assembly: Assembly,
+            values: Mapping[str, float],
+            names: Sequence[str] = tuple(names),
+            factor: str = factor,
+        ) -> None:
+            at = [assembly.names[name] for name in names]
+            assembly.add_loss_factor(at, values[factor], factor)
 
         def alternatives(
             values: Mapping[str, float], link: int = link, names: Sequence[str] = tuple(names)
@@ -57,13 +68,14 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             Instance(
                 effect=WORDS,
                 place=joint.name,
+                parameters=(loss_factor_parameter(factor),),
+                builder=build,
                 describe=describe,
                 relaxes=relaxed,
                 alternatives=alternatives,
                 size=names[0],
                 sizes=tuple(names),
                 material=ordinary.bearing_limit(link),
-                is_term=True,
             )
         )
     return tuple(found)

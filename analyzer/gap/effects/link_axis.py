@@ -8,7 +8,11 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.compliance import (
+    compliance_parameter,
+    loss_factor_parameter,
+    loss_parameter,
+)
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
@@ -68,8 +72,9 @@ def at_axis(
     """
     own_line = LineInLink(ordinary, link, direction, point_m, of="axis")
     name, moves = own_line.name, own_line.moves
-    gamma, loss, part, spread = (
-        f"axis {what} {name}" for what in ("compliance", "loss", "mass before", "mass spread")
+    gamma, loss, factor, part, spread = (
+        f"axis {what} {name}"
+        for what in ("compliance", "loss", "loss factor", "mass before", "mass spread")
     )
     middles = 0.5 * _even_length(ordinary, link)
     still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
@@ -93,6 +98,7 @@ def at_axis(
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         column, slopes = line(*(values[m] for m in moves))
         at = assembly.add_compliance(column, values[gamma], values[loss], gamma, loss)
+        assembly.add_loss_factor([at], values[factor], factor)
         for move, slope in zip(moves, slopes, strict=True):
             assembly.motion_of[move] = [(at, slope)]
         if before:
@@ -135,13 +141,14 @@ def at_axis(
     apart = Parameter(
         name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=_SPREAD_MOST
     )
-    own = {gamma, loss, part, spread, *moves}
+    own = {gamma, loss, factor, part, spread, *moves}
     return Instance(
         effect=WORDS,
         place=name,
         parameters=(
             compliance_parameter(gamma, ordinary, link),
             loss_parameter(loss),
+            loss_factor_parameter(factor),
             *own_line.parameters,
             *((split, apart) if before else ()),
         ),

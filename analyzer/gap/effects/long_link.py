@@ -8,7 +8,11 @@ import numpy as np
 import numpy.typing as npt
 import scipy.special
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_parameter
+from armodal.analyzer.gap.effects.compliance import (
+    compliance_parameter,
+    loss_factor_parameter,
+    loss_parameter,
+)
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
@@ -45,8 +49,9 @@ def given_way(
     pieces between the hinges, spread evenly over a part of its length about its centre, as far as
     its own inertia allows; points turn with the stretch they stand on.
     """
-    gamma, loss, spread, taper, middle = (
-        f"{word} {what} {line.name}" for what in ("compliance", "loss", "spread", "taper", "middle")
+    gamma, loss, factor, spread, taper, middle = (
+        f"{word} {what} {line.name}"
+        for what in ("compliance", "loss", "loss factor", "spread", "taper", "middle")
     )
     aside = [f"{word} aside {letter} {line.name}" for letter in "ab"]
     columns = ordinary.superset.interface_columns(line.link)
@@ -85,6 +90,7 @@ def given_way(
                 part=line.length_m * float(parts[where]),
                 part_slopes=dict(zip((taper, middle), slopes.tolist(), strict=True)),
             )
+            assembly.add_loss_factor([at], values[factor], factor)
             assembly.inside[at] = inside
             for name, moved in zip(aside, by_aside, strict=True):
                 assembly.motion_of.setdefault(name, []).append((at, moved))
@@ -107,6 +113,7 @@ def given_way(
         parameters=(
             size,
             loss_parameter(loss),
+            loss_factor_parameter(factor),
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
             Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD),
             Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD),

@@ -110,15 +110,16 @@ def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
     soft = np.isfinite(system.compliance)
     free = np.flatnonzero(~soft | (system.compliance > 1e-9))
     K = system.stiffness[np.ix_(free, free)].astype(np.complex128)
-    K += 1j * system.loss[np.ix_(free, free)]
+    loss = system.loss[np.ix_(free, free)]
     C = system.damping[np.ix_(free, free)].astype(np.complex128)
     for at, i in enumerate(free):
         if soft[i]:
             K[at, at] += 1.0 / system.compliance[i]
             C[at, at] += system.compliance_loss_s[i] / system.compliance[i]
+            loss[at, at] += system.compliance_loss_factor[i] / system.compliance[i]
+    K += 1j * loss
     M = system.mass[np.ix_(free, free)]
     m = len(free)
-    loss = system.loss[np.ix_(free, free)]
     # Two coordinates may move the arm alike, such as a floor's and an upright joint's turn: of the
     # pencil their difference has no mass and no finite pole.
     none, one = np.zeros((m, m)), np.eye(m)

@@ -95,6 +95,7 @@ class System:
     loss: Array  # (n, n): K + L(s) loss, `response.hysteresis`
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
+    compliance_loss_factor: Array  # (n,) beside it, the same at all frequencies
     link_motion: Array  # (n_links, 6, n)
     base_motion: Array  # (6, n)
     pieces: dict[int, Pieces]  # of links that give way along their length
@@ -127,10 +128,10 @@ class Assembly:
     """A posture being put together; effects add to it.
 
     What a parameter does a unit, where it stands, is told for most: `compliance_of`,
-    `compliance_slopes`, `loss_of`, `terms_of`, `stretches_of`, `inertia_of` and `sensor_mass_of` of
-    terms, `log_slopes` of a joint's spring, `motion_of` of coordinates that move otherwise with it,
-    `turns_of` of stretches that do. Those derivatives are known; of inertias but for gravity's
-    part, a thousandth.
+    `compliance_slopes`, `loss_of`, `loss_factor_of`, `terms_of`, `stretches_of`, `inertia_of` and
+    `sensor_mass_of` of terms, `log_slopes` of a joint's spring, `motion_of` of coordinates that
+    move otherwise with it, `turns_of` of stretches that do. Those derivatives are known; of
+    inertias but for gravity's part, a thousandth.
     """
 
     geometry: PostureGeometry
@@ -139,9 +140,11 @@ class Assembly:
     names: dict[str, int] = field(default_factory=dict)
     compliance: list[float] = field(default_factory=list)
     compliance_loss_s: list[float] = field(default_factory=list)
+    compliance_loss_factor: list[float] = field(default_factory=list)
     # By parameter: its coordinates, and which part of its compliance each has.
     compliance_of: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     loss_of: dict[str, list[int]] = field(default_factory=dict)
+    loss_factor_of: dict[str, list[int]] = field(default_factory=dict)
     # By parameter: coordinates, and by what the compliance of each changes a unit.
     compliance_slopes: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     # By parameter: coordinates, and by what (N,) the motion of each changes a unit.
@@ -223,6 +226,12 @@ class Assembly:
         if loss_parameter is not None:
             self.loss_of.setdefault(loss_parameter, []).append(at)
         return at
+
+    def add_loss_factor(self, coordinates: Sequence[int], factor: float, parameter: str) -> None:
+        """Let compliances lose by a factor beside what they lose, the same at all frequencies."""
+        for at in coordinates:
+            self.compliance_loss_factor[at] += factor
+            self.loss_factor_of.setdefault(parameter, []).append(at)
 
     def multiply_spring(
         self, joint: str, values: Mapping[str, float], log_k: float, log_c: float
@@ -311,6 +320,7 @@ class Assembly:
         self.columns.append(column)
         self.compliance.append(compliance)
         self.compliance_loss_s.append(loss_s)
+        self.compliance_loss_factor.append(0.0)
         return len(self.columns) - 1
 
     def motion_of_pieces(

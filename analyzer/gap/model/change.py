@@ -99,11 +99,13 @@ def by_decay(found: Response) -> ComplexArray:
     moved = real_times(system.moved, x)
     moved *= 2.0 * system.sensor_mass_kg[:, None, None, None] * by_line
     dZx += real_times(system.moved.swapaxes(-1, -2), moved)
-    # A compliance resists by (1 + tau s) / gamma; where it is zero nothing moves.
+    # A compliance resists by (1 + tau s + eta L(s)) / gamma; where it is zero nothing moves.
     gamma = system.compliance
     gives_way = np.isfinite(gamma) & (gamma != 0.0)
-    slope = np.where(gives_way, system.compliance_loss_s / np.where(gives_way, gamma, 1.0), 0.0)
-    dZx += slope[:, None, :, None].astype(x.real.dtype) * x
+    per_gamma = np.where(gives_way, 1.0 / np.where(gives_way, gamma, 1.0), 0.0)[:, None, :, None]
+    dZx += (per_gamma * system.compliance_loss_s[:, None, :, None]).astype(x.real.dtype) * x
+    factor = per_gamma * system.compliance_loss_factor[:, None, :, None]
+    dZx += factor.astype(x.real.dtype) * (2.0 / np.pi) / by_line * x
     return np.asarray(y - _under(found, dZx))
 
 

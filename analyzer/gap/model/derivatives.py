@@ -90,23 +90,14 @@ class Solved:
             for name, parts in of_all[0].items():
                 weights = np.array([[weight for _, weight in own[name]] for own in of_all])
                 yield name, _weighed_sum([row_of[at] for at, _ in parts], weights.T)
-        for name, coordinates in self.assemblies[0].loss_of.items():
-            slower = [
-                -system.compliance[:, at, None]
-                * s
-                / (1.0 + system.compliance_loss_s[:, at, None] * s)
-                for at in coordinates
-            ]
-            yield (
-                name,
-                np.sum(
-                    [
-                        row_of[at] * w[:, None, None, :]
-                        for at, w in zip(coordinates, slower, strict=True)
-                    ],
-                    axis=0,
-                ),
-            )
+        resists, first = self.found.resists, self.assemblies[0]
+        for by, at_parameter in ((s, first.loss_of), (hysteresis(s), first.loss_factor_of)):
+            for name, coordinates in at_parameter.items():
+                lags = (
+                    -system.compliance[:, at, None] * by / resists[..., at] for at in coordinates
+                )
+                rows = zip(coordinates, lags, strict=True)
+                yield name, np.sum([row_of[at] * w[:, None, None, :] for at, w in rows], axis=0)
 
     def by_inertias(self) -> Iterator[tuple[str, ComplexArray]]:
         """Masses, centres and tensors of links; what is bolted to them; the base's own."""
@@ -252,6 +243,7 @@ class Solved:
             *first.compliance_of,
             *first.compliance_slopes,
             *first.loss_of,
+            *first.loss_factor_of,
             *first.terms_of,
             *first.stretches_of,
             *first.inertia_of,

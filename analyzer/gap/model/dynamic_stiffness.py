@@ -11,7 +11,7 @@ from scipy.linalg import lapack
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
 
-__all__ = ["dynamic_stiffness", "inverses"]
+__all__ = ["dynamic_stiffness", "inverses", "resists"]
 
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
@@ -26,6 +26,17 @@ def dynamic_stiffness(system: System, s: ComplexArray) -> ComplexArray:
         i, j = np.nonzero(matrix.any(axis=0))
         Z[..., i, j] += weight[..., None] * matrix[:, None, i, j]
     return np.asarray(Z)
+
+
+def resists(system: System, s: ComplexArray) -> ComplexArray:
+    """Return (P, L, n) by how much a compliance resists more than without its losses, at s (P, L).
+
+    1 + tau s + eta L(s): a loss that grows with frequency and one that does not.
+    """
+    more = s[..., None] * system.compliance_loss_s[:, None]
+    at = np.flatnonzero(system.compliance_loss_factor.any(axis=0))
+    more[..., at] += hysteresis(s)[..., None] * system.compliance_loss_factor[:, None, at]
+    return np.asarray(1.0 + more)
 
 
 def inverses(A: ComplexArray) -> ComplexArray:

@@ -35,6 +35,9 @@ __all__ = [
 # of the logarithm between these.
 INTERFACE_LOSS_MEAN_S, INTERFACE_LOSS_STD_S = 1.7e-4, 2.6e-4
 
+# And their loss factor, where the loss does not grow with frequency: the same range.
+INTERFACE_FACTOR_MEAN, INTERFACE_FACTOR_STD = 0.032, 0.035
+
 # Loss factor of a joint's drive beside its dashpot. The same range, its lower half: what grows with
 # frequency is the dashpot's.
 JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07

@@ -15,8 +15,8 @@ A loss factor eta is causal, constant at every frequency, and leaves k as it is 
 
     k (1 + eta L(s)),    L(s) = (2 / pi) ln(s / w_r),    L(i w) = i + (2 / pi) ln(w / w_r) .
 
-A compliance gamma with loss tau changes H by w w' d(gamma / (1 + tau s)), w the motion per unit
-torque inside that compliance: also at gamma = 0.
+A compliance gamma with losses changes H by w w' d(gamma / (1 + tau s + eta L(s))), w the motion per
+unit torque inside that compliance: also at gamma = 0.
 
 Axes of arrays: P postures, m mountings, n coordinates, L lines, which are last wherever single
 lines need no matrix: few long operations instead of many small ones.
@@ -34,7 +34,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
-from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses
+from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses, resists
 from armodal.analyzer.gap.model.geometry import skew
 
 __all__ = ["Response", "as_single", "of_hits", "real_times", "respond"]
@@ -98,6 +98,11 @@ class Response:
             self, system=_in_single(self.system), **{n: as_single(getattr(self, n)) for n in own}
         )
 
+    @cached_property
+    def resists(self) -> ComplexArray:
+        """(P, L, n) `dynamic_stiffness.resists` on these lines."""
+        return resists(self.system, self.s_rad_s)
+
     @property
     def values(self) -> ComplexArray:
         """(P, m, 3, L) accelerance as recorded."""
@@ -159,11 +164,11 @@ class Response:
         if locked:
             left, right = self.through_compliances([coordinates[i] for i in locked])
             found[locked] = left * right[:, :, :, None]
-        s, loss_s = self.s_rad_s, self.system.compliance_loss_s
+        resist = self.resists
         for i, at in enumerate(coordinates):
             if i not in locked:
                 yields = gamma[:, i, None]
-                torque = self.x[:, :, at] * ((1.0 + loss_s[:, at, None] * s) / yields)[:, None, :]
+                torque = self.x[:, :, at] * (resist[:, :, at] / yields)[:, None, :]
                 torque *= (1.0 / yields)[:, None]  # the other side's
                 np.multiply(self.under_loads[:, :, at], torque[:, :, None], out=found[i])
         return found
@@ -214,7 +219,7 @@ class Response:
         recorded = real_times(system.mix, o_w.reshape(P, m, 3, k * L)).reshape(P, m, 3, k, L)
         b = self._forces()[:, :, None].astype(self.x.real.dtype, copy=False)  # (P, m, 1, n)
         w_b = with_sensor(through(b), loaded(b))[:, :, 0]
-        lag = 1.0 / (1.0 + system.compliance_loss_s[:, list(coordinates), None] * s[:, None])
+        lag = 1.0 / self.resists[:, :, list(coordinates)].transpose(0, 2, 1)
         torque = w_b * (self.factor[:, None] * lag)[:, None]  # (P, m, k, L)
         return recorded.transpose(3, 0, 1, 2, 4), torque.transpose(2, 0, 1, 3)
 
@@ -347,8 +352,7 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     s = s_rad_s + system.decay_rad_s[:, None]
     soft = np.isfinite(system.compliance[0])
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
-    loss_s = system.compliance_loss_s[:, None]
-    scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)  # (P, L, n)
+    scale = np.where(soft, gamma / resists(system, s), 1.0)  # (P, L, n)
     A = dynamic_stiffness(system, s)
     A *= scale[..., None]
     A[..., soft, soft] += 1.0

@@ -24,6 +24,7 @@ class Parameter:
     low: float = -np.inf
     high: float = np.inf
     start: float | None = None  # the mean, if not given
+    untold: float | None = None  # what an arm file means that lacks it; None: it may not
 
     @property
     def first(self) -> float:

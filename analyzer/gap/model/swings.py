@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
-from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses
+from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses, resists
 from armodal.analyzer.gap.model.joint_laws import Element
 
 __all__ = [
@@ -111,8 +111,7 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
     s = _lines()[None]
     soft = np.isfinite(system.compliance[0])
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
-    loss_s = system.compliance_loss_s[:, None]
-    scale = np.where(soft, gamma / (1.0 + s[..., None] * loss_s), 1.0)
+    scale = np.where(soft, gamma / resists(system, s), 1.0)
     A = dynamic_stiffness(system, s)
     A *= scale[..., None]
     A[..., soft, soft] += 1.0

@@ -103,6 +103,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         **matrices,
         compliance=np.array([own.compliance for own in assemblies]),
         compliance_loss_s=np.array([own.compliance_loss_s for own in assemblies]),
+        compliance_loss_factor=np.array([own.compliance_loss_factor for own in assemblies]),
         link_motion=link_motion,
         base_motion=base,
         pieces=pieces,

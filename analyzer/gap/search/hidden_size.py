@@ -43,7 +43,8 @@ class HiddenSize:
         self._stage, self._final, self._inflation = stage, final, inflation
         self.at_most = limit
         # An ordinary error with a wider prior is in the model already.
-        self.is_known = not candidate.instance.parameters
+        own = candidate.instance.parameters
+        self.is_known = candidate.instance.size not in {p.name for p in own}
 
     def hold_against_data(self, least: float) -> None:
         """Hold it against the data, by bisection over halves of the limit down to a least size.

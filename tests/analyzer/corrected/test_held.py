@@ -1,5 +1,7 @@
 """Effects that stay as they are while joints are fitted, against the corrected posture."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.added import added, any_of, axis, with_effects
@@ -19,6 +21,11 @@ Q = np.array([0.2, 0.4, 1.1, -0.5, 0.6, 0.3])
 KINDS = ("bearing", "base", "coupling", "rotor", "payload", "released_joint")
 
 
+def without_loss_factor(effect):
+    kept = tuple(p for p in effect.parameters if not p.name.endswith("loss_factor"))
+    return replace(effect, parameters=kept)
+
+
 def held_modes(arm):
     ready = held_arm(arm)
     superset = Superset(ready.arm)
@@ -35,8 +42,10 @@ def held_modes(arm):
 
 @pytest.mark.parametrize("kind", [*KINDS, "axis and all"])
 def test_a_structure_with_held_effects_has_the_corrected_arm_s_modes(kind):
+    """Without loss factors: those count as dashpots."""
     several = (axis("elbow"), any_of(ARM, "rotor"), any_of(ARM, "coupling"), any_of(ARM, "payload"))
-    arm = with_effects(ARM, *(several if kind == "axis and all" else (any_of(ARM, kind),)))
+    effects = several if kind == "axis and all" else (any_of(ARM, kind),)
+    arm = with_effects(ARM, *map(without_loss_factor, effects))
     correction = correction_of(arm)
     wanted = corrected_modes(corrected_posture(correction, stand(correction, Q)))
     found = held_modes(arm)
@@ -52,6 +61,18 @@ def test_an_axis_is_fitted_anew_and_the_rest_is_held_and_both_are_said():
     assert held.startswith("as the arm file has them, not fitted: Motor")
     assert anew.startswith("fitted anew from where the arm file has them: ")
     assert anew.endswith("(elbow)")
+
+
+def test_a_loss_factor_is_held_as_a_dashpot_that_loses_as_much_and_that_is_said():
+    factor, compliance = 0.06, 1e-5
+    plain, lossy = axis("elbow", compliance, 0.0), axis("elbow", compliance, 0.0)
+    told = added("", "", axis_loss_factor=factor).parameters
+    ready = held_arm(with_effects(ARM, replace(lossy, parameters=(*lossy.parameters, *told))))
+    assert any("as much at 30 Hz" in note for note in ready.notes)
+    assert not any("as much at 30 Hz" in n for n in held_arm(with_effects(ARM, plain)).notes)
+    (found,) = ready.axes
+    lost = found.damping_n_m_s_per_rad * 2.0 * np.pi * 30.0 / found.stiffness_n_m_per_rad
+    assert lost == pytest.approx(factor)
 
 
 def test_what_cannot_be_held_is_named_with_its_reason_all_at_once():
@@ -70,7 +91,7 @@ def test_what_cannot_be_held_is_named_with_its_reason_all_at_once():
         "another one's spring",
         "divides a link",
         "moves an angle",
-        "has a loss factor",
+        "gives a joint a loss factor",
     ):
         assert why in str(refused.value)
 

@@ -1,5 +1,7 @@
 """A corrected arm in a posture against closed forms and the plain model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.added import AXIS_DIRECTION, AXIS_POINT, added, any_of, axis, with_effects
@@ -130,3 +132,14 @@ def test_an_arm_that_falls_is_refused():
     soft = axis("upper_arm", compliance=1.0)
     with pytest.raises(EstimateError, match="do not hold it against gravity"):
         corrected_modes(posture_of(with_effects(ARM, soft)))
+
+
+def test_modes_near_each_other_stay_two_with_a_loss_factor():
+    """Springs are softer at 5 Hz than at 30: both move further than they are apart."""
+    soft = any_of(ARM, "bearing")
+    lossy = tuple(
+        replace(p, value=0.2) if p.name.endswith("factor") else p for p in soft.parameters
+    )
+    posture = posture_of(with_effects(ARM, replace(soft, parameters=lossy)))
+    first, second, *_ = corrected_modes(posture).f_hz
+    assert second > 1.05 * first

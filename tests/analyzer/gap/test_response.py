@@ -86,7 +86,7 @@ def test_axis_in_a_joint_s_own_line_is_a_spring_in_series(lines, ordinary, posed
     values = without_errors(space.values(space.start())) | {f"ln c {joint.name}": -40.0}
     gamma = 0.3 / joint.stiffness.value
     names = [p.name for p in axis.parameters]
-    in_series = values | {names[0]: gamma, names[1]: 0.0}
+    in_series = values | {names[0]: gamma, names[1]: 0.0, names[2]: 0.0}
     softer = values | {f"ln k {joint.name}": -np.log(1.0 / joint.stiffness.value + gamma)}
     np.testing.assert_allclose(
         posed.values(both, lines, in_series),
