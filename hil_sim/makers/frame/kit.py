@@ -13,9 +13,12 @@ import numpy as np
 
 from armodal.hil_sim.makers.arm_table import Array, LinkRow
 from armodal.hil_sim.makers.frame.everyday import Everyday, Gear
+from armodal.hil_sim.makers.frame.modal import loss_law
 from armodal.hil_sim.makers.frame.parts import Parts
 
-__all__ = ["Hidden", "HidesInFrame", "Kit"]
+__all__ = ["TOLD_AT_HZ", "Hidden", "HidesInFrame", "Kit", "stiffer_at_told"]
+
+TOLD_AT_HZ = 30.0  # an arm file's stiffness is what is felt there
 
 Hidden = dict[str, Any]
 
@@ -46,6 +49,12 @@ class Kit:
         z, turn = self.rng.uniform(-1.0, 1.0), self.rng.uniform(0.0, 2.0 * np.pi)
         r = np.sqrt(1.0 - z * z)
         return np.array([r * np.cos(turn), r * np.sin(turn), z])
+
+
+def stiffer_at_told(loss_factor: float) -> float:
+    """By how much a part with a loss factor is stiffer than at rest, where a truth is told."""
+    s = 2.0j * np.pi * np.array([TOLD_AT_HZ])
+    return float(1.0 + loss_factor * loss_law(s)[0].real)
 
 
 class HidesInFrame(Protocol):

@@ -14,7 +14,7 @@ from armodal.hil_sim.makers.belief import believed_arm
 from armodal.hil_sim.makers.case import CaseSpec
 from armodal.hil_sim.makers.frame import effects
 from armodal.hil_sim.makers.frame.everyday import LOSS_AT_HZ, Everyday, Gear, everyday
-from armodal.hil_sim.makers.frame.kit import Hidden, HidesInFrame, Kit
+from armodal.hil_sim.makers.frame.kit import TOLD_AT_HZ, Hidden, HidesInFrame, Kit
 from armodal.hil_sim.makers.frame.parts import Parts
 from armodal.hil_sim.makers.frame.shop import Shop
 from armodal.hil_sim.makers.frame.visibility import VISIBLE, Witness
@@ -143,11 +143,11 @@ def _sized(
 
 
 def _truth(drawn: Everyday, spec: CaseSpec, hidden: list[Hidden]) -> dict[str, Any]:
-    joints = {}
+    joints, told = {}, 2.0j * np.pi * np.array([TOLD_AT_HZ])
     for joint in drawn.elastic:
         drive, (loss, power) = drawn.parts.drives[joint], drawn.loss[joint]
         joints[joint] = {
-            "stiffness_n_m_per_rad": drive.stiffness,
+            "stiffness_n_m_per_rad": drive.stiffness + float(drive.law(told)[0].real),
             "damping_n_m_s_per_rad": loss * drive.stiffness / (2.0 * np.pi * LOSS_AT_HZ),
             "loss_factor": loss,
             "loss_power": power,

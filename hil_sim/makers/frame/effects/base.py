@@ -3,7 +3,7 @@
 import numpy as np
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
-from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 
 RANGE = (0.004, 3.0)  # rocking compliance over the softest drive's
 ASKEW = (0.4, 1.0)  # stiffness of the other rocking
@@ -31,12 +31,13 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     plate[:3, :3] = np.diag([shift, shift, 1.5 * shift])
     plate[3:, 3:] = R @ np.diag([rock, other, yaw]) @ R.T
     kit.parts.plate, kit.parts.plate_loss = plate, loss
+    felt = plate * stiffer_at_told(loss)
     return {
-        "rock_x_n_m_per_rad": float(plate[3, 3]),
-        "rock_y_n_m_per_rad": float(plate[4, 4]),
-        "rock_xy_n_m_per_rad": float(plate[3, 4]),
-        "turn_n_m_per_rad": float(yaw),
-        "shift_n_per_m": float(shift),
+        "rock_x_n_m_per_rad": float(felt[3, 3]),
+        "rock_y_n_m_per_rad": float(felt[4, 4]),
+        "rock_xy_n_m_per_rad": float(felt[3, 4]),
+        "turn_n_m_per_rad": float(felt[5, 5]),
+        "shift_n_per_m": float(felt[0, 0]),
         "base_mass_kg": kit.drawn.table.base.mass_kg,
         "loss_factor": loss,
     }

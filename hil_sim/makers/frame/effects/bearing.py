@@ -1,7 +1,7 @@
 """A main bearing that tilts: softer than everyday about both axes across a joint's."""
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
-from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 
 RANGE = (0.02, 5.0)  # tilt compliance over the drive's
 LOSS = (0.02, 0.12)  # loss factor
@@ -18,4 +18,5 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     tilt = drive.stiffness / size
     drive.tilt, drive.tilt_loss = (tilt, tilt), loss
     drive.shift_n_per_m = max(drive.shift_n_per_m, tilt / 0.01)
-    return {"compliance_rad_per_n_m": 1.0 / tilt, "loss_factor": loss}
+    felt = tilt * stiffer_at_told(loss)
+    return {"compliance_rad_per_n_m": 1.0 / felt, "loss_factor": loss}

@@ -3,7 +3,7 @@
 import numpy as np
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
-from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 from armodal.hil_sim.makers.frame.parts import Hinge
 from armodal.hil_sim.makers.frame.standing import middle_of
 
@@ -28,7 +28,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         part=part, direction=direction, point_m=point, compliance=compliance, loss=loss
     )
     return {
-        "compliance_rad_per_n_m": compliance,
+        "compliance_rad_per_n_m": compliance / stiffer_at_told(loss),
         "direction": direction.tolist(),
         "point_m": np.asarray(point).tolist(),
         "part": part,

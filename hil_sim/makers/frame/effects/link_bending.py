@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
-from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 
 RANGE = (1.5, 2000.0)  # times as soft as the section
 
@@ -22,4 +22,5 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         section,
         second_moment_m4=section.second_moment_m4 / size,
     )
-    return {"bending_stiffness_n_m2": bending, "torsional_stiffness_n_m2": twisting}
+    felt = stiffer_at_told(kit.parts.beam_loss)
+    return {"bending_stiffness_n_m2": felt * bending, "torsional_stiffness_n_m2": felt * twisting}

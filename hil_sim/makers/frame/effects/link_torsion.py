@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
-from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 
 RANGE = (1.5, 2000.0)  # times as soft as the section
 
@@ -18,4 +18,5 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     section = kit.parts.sections[place]
     thinned = replace(section, torsion_m4=section.torsion_m4 / size)
     kit.parts.sections[place] = thinned
-    return {"torsional_stiffness_n_m2": thinned.shear_pa * thinned.torsion_m4}
+    felt = stiffer_at_told(kit.parts.beam_loss)
+    return {"torsional_stiffness_n_m2": felt * thinned.shear_pa * thinned.torsion_m4}
