@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+import numpy.typing as npt
+
 from armodal.analyzer.gap.effects.long_link import given_way
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
@@ -9,6 +12,8 @@ from armodal.analyzer.gap.model.long_links import LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
+
+Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="link_bending",
@@ -24,10 +29,11 @@ _MATERIAL = 0.012  # of the arm's compliance, root to tip
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each long link."""
-    return tuple(_of(ordinary, line) for line in long_links(ordinary.superset))
+    return tuple(
+        given_way(ordinary, line, _both_ways, WORDS, word="bending", material=_MATERIAL)
+        for line in long_links(ordinary.superset)
+    )
 
 
-def _of(ordinary: Ordinary, line: LongLink) -> Instance:
-    sides = across(line.along)
-    directions = (sides[:, 0], sides[:, 1])
-    return given_way(ordinary, line, directions, WORDS, word="bending", material=_MATERIAL)
+def _both_ways(line: LongLink) -> list[Array]:
+    return list(across(line.along).T)

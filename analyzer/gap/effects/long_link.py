@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ from armodal.analyzer.gap.effects.compliance import (
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
-from armodal.analyzer.gap.model.long_links import SLICES, LongLink
+from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.spread import nearer
@@ -36,13 +36,13 @@ _START = 0.03  # of the size's deviation: from zero a first step misleads
 def given_way(
     ordinary: Ordinary,
     line: LongLink,
-    directions: Sequence[Array],
+    ways: Callable[[LongLink], Sequence[Array]],
     words: EffectWords,
     *,
     word: str,
     material: float,
 ) -> Instance:
-    """A link whose compliance about each direction is spread over its length, 1/EI or 1/GJ.
+    """A link whose compliance each way is spread over its length, 1/EI or 1/GJ.
 
     Castings taper, and flanges stiffen their ends: how much of it is where is a parameter. So is
     where the line stands: drives and covers draw the centre of mass aside. The link's mass is in
@@ -54,6 +54,7 @@ def given_way(
         for what in ("compliance", "loss", "loss factor", "spread", "taper", "middle")
     )
     aside = [f"{word} aside {letter} {line.name}" for letter in "ab"]
+    directions = ways(line)
     columns = ordinary.superset.interface_columns(line.link)
     part = line.length_m / SLICES
     hinges = []
@@ -102,6 +103,21 @@ def given_way(
         name = ordinary.arm.joints[line.link].link.name
         return {"link": name, "from_m": start.tolist(), "to_m": end.tolist()}
 
+    def alternatives(
+        values: Mapping[str, float],
+    ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
+        """Another such link, as soft from end to end: beyond a joint in line both turn alike."""
+        rest = {k: v for k, v in values.items() if k not in own}
+        return [
+            (
+                there := given_way(ordinary, other, ways, words, word=word, material=material),
+                rest | {there.size: values[gamma] * line.length_m / other.length_m},
+            )
+            for other in long_links(ordinary.superset)
+            if abs(other.link - line.link) == 1
+        ]
+
+    own = {gamma, loss, factor, spread, taper, middle, *aside}
     size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 
     def starting_points(values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
@@ -121,6 +137,7 @@ def given_way(
         ),
         builder=build,
         describe=describe,
+        alternatives=alternatives,
         initial_values=starting_points,
         size=gamma,
         shapes=(spread, taper, middle, *aside),

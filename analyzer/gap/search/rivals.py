@@ -155,7 +155,10 @@ def find_rivals(
                 )
         far = _far(races, base, present, start, without, tell)
         # Where much is left they come after: most are hopeless beside what the wide lines led to.
-        finals = finals or near(lambda _, gain: race.is_in_reach(base[-1], gain))
+        # A look about nothing may say far too little: what it puts first is begun anyway.
+        finals = finals or near(
+            lambda i, gain: i is looked[0].instance or race.is_in_reach(base[-1], gain)
+        )
         finals = _each_minimum([*finals, *far])
         finals = [*finals, *_alternatives(race, finals[:LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
