@@ -154,7 +154,8 @@ def size_of_truth(
         Believed stiffness of each joint: a coupling is counted in their geometric mean, a
         compensator in its joint's.
     told
-        How the effect found describes itself: a base's size is about a level line of its own.
+        How the effect found describes itself: a base's size is about a level line of its own, a
+        soft link's by the length of its own.
     """
     p, place = effect["parameters"], effect["place"]
 
@@ -173,6 +174,13 @@ def size_of_truth(
         line = np.asarray((told or {}).get("rock_x_about", (1.0, 0.0)), dtype=np.float64)[:2]
         return float(line @ np.linalg.solve(rocking, line))
 
+    def soft_link(stiffness: str) -> float:
+        """Per length of the line found: of a hinge both sides' turn is told, and no length."""
+        if told is None or "hinge_n_m_per_rad" not in p:
+            return 1.0 / float(p[stiffness])
+        start, end = (np.asarray(told[at], dtype=np.float64) for at in ("from_m", "to_m"))
+        return 1.0 / float(p["hinge_n_m_per_rad"] * np.linalg.norm(end - start))
+
     sizes: dict[str, Callable[[], float]] = {
         "released_joint": lambda: 1.0 / p["stiffness_n_m_per_rad"],
         "bearing": lambda: p["compliance_rad_per_n_m"],
@@ -188,8 +196,8 @@ def size_of_truth(
         "rotor": lambda: p["inertia_kg_m2"],
         "hysteretic": lambda: p["loss_factor"],
         "sensor_mass": lambda: p["extra_kg"],
-        "link_bending": lambda: 1.0 / p["bending_stiffness_n_m2"],
-        "link_torsion": lambda: 1.0 / p["torsional_stiffness_n_m2"],
+        "link_bending": lambda: soft_link("bending_stiffness_n_m2"),
+        "link_torsion": lambda: soft_link("torsional_stiffness_n_m2"),
         "wrist_coupling": lambda: p["ratio"],
         "gravity_compensator": compensator,
         "nonproportional": lambda: p["damping_n_s_per_m"],

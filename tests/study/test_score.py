@@ -86,6 +86,15 @@ def test_a_base_is_as_soft_as_it_is_about_the_line_that_was_found():
     assert size_of_truth(askew | {"parameters": square}, {}) == pytest.approx(0.25)
 
 
+def test_a_link_cut_once_yields_from_end_to_end_as_the_line_that_was_found():
+    """A hinge of 100 N m/rad, told by a maker over another length than the 2 m of that line."""
+    told = {"hinge_n_m_per_rad": 100.0, "bending_stiffness_n_m2": 150.0}
+    effect = {"name": "link_bending", "place": "arm", "parameters": told}
+    found = {"from_m": [0.0, 0.0, 1.0], "to_m": [0.0, 2.0, 1.0]}
+    assert size_of_truth(effect, {}, found) == pytest.approx(1.0 / 200.0)
+    assert size_of_truth(effect, {}) == pytest.approx(1.0 / 150.0)
+
+
 def test_a_compensator_is_as_stiff_as_where_it_is_square_to_its_shorter_lever():
     told = {"stiffness_n_per_m": 1e5, "eye_m": [0.3, 0.0, 0.1], "shorter_lever_m": 0.2}
     effect = {"name": "gravity_compensator", "place": "a", "parameters": told}
