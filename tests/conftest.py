@@ -32,6 +32,7 @@ from armodal.protocols.arm.files import load_arm
 
 # Looking for garbage is put off: it takes a tenth of all tests' time.
 gc.set_threshold(100_000, 20, 100)
+FREEZE, UNFREEZE = gc.freeze, gc.unfreeze
 
 # A loaded machine stalls for seconds: how long one example takes says nothing.
 settings.register_profile("all", deadline=None)
@@ -68,9 +69,27 @@ def pytest_collection_modifyitems(config, items):
 
 
 def pytest_collection_finish():
-    """Leave what is loaded by now out of Python's garbage collection: it stays to the end."""
+    """Leave what is loaded by now out of Python's garbage collection: it stays to the end.
+
+    A session looks at all that there is once more, as its process begins. Here some thousand tests
+    are loaded too, which takes half a second each time: only what came since is looked at.
+    """
     gc.collect()
     gc.freeze()
+    gc.freeze = gc.unfreeze = _nothing
+
+
+def _nothing():
+    """Leave what is frozen as it is."""
+
+
+@pytest.fixture
+def freezing(monkeypatch):
+    """Asked for where it is tested what is left out of collection: it is, and comes back."""
+    monkeypatch.setattr(gc, "freeze", FREEZE)
+    monkeypatch.setattr(gc, "unfreeze", UNFREEZE)
+    yield
+    FREEZE()
 
 
 @pytest.fixture(scope="session")
