@@ -20,6 +20,7 @@ os.environ["XDG_DATA_HOME"] = _HOME.name
 import pytest
 from hypothesis import settings
 from support.held_up import HeldUpError, StallWatch
+from support.not_apart import here
 from support.offline_lab import first_postures, simulate_session
 from support.once_for_all import once_for_all
 from support.shares import in_share
@@ -29,6 +30,8 @@ from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.planning import search, selective
 from armodal.hil_sim.plant import load_plant
 from armodal.protocols.arm.files import load_arm
+from armodal.protocols.foreign import motion_messages
+from armodal.protocols.robot import mjcf
 
 # Looking for garbage is put off: it takes a tenth of all tests' time.
 gc.set_threshold(100_000, 20, 100)
@@ -151,3 +154,10 @@ def small_search():
         patch.setattr(search, "ROUNDS", 2)
         patch.setattr(selective, "N_OTHERS", 10)
         yield
+
+
+@pytest.fixture
+def not_apart(monkeypatch):
+    """Asked for where logs and MJCFs are sound: they are read in this process, much sooner."""
+    for module in (motion_messages, mjcf):
+        monkeypatch.setattr(module, "apart", here)
