@@ -214,10 +214,8 @@ def test_where_nothing_was_hit_a_law_is_the_spring_of_swings_of_the_level(arm):
     assert below[0] < below[1] < below[2]  # below resonance a softer joint answers more
 
 
-@pytest.mark.parametrize(
-    ("kind", "module"),
-    [("softening", softening), pytest.param("friction", friction, marks=pytest.mark.long)],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("kind", "module"), [("softening", softening), ("friction", friction)])
 def test_a_joint_s_own_law_explains_more_than_a_spring_of_each_level(kind, module):
     stage, plain = levelled(kind)
     first = fit_hypothesis(stage, plain, max_iterations=8)
