@@ -20,6 +20,7 @@ os.environ["XDG_DATA_HOME"] = _HOME.name
 import pytest
 from hypothesis import settings
 from support.held_up import HeldUpError, StallWatch
+from support.not_apart import here
 from support.offline_lab import first_postures, simulate_session
 from support.once_for_all import once_for_all
 from support.shares import in_share
@@ -29,9 +30,12 @@ from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.planning import search, selective
 from armodal.hil_sim.plant import load_plant
 from armodal.protocols.arm.files import load_arm
+from armodal.protocols.foreign import motion_messages
+from armodal.protocols.robot import mjcf
 
 # Looking for garbage is put off: it takes a tenth of all tests' time.
 gc.set_threshold(100_000, 20, 100)
+FREEZE, UNFREEZE = gc.freeze, gc.unfreeze
 
 # A loaded machine stalls for seconds: how long one example takes says nothing.
 settings.register_profile("all", deadline=None)
@@ -68,9 +72,27 @@ def pytest_collection_modifyitems(config, items):
 
 
 def pytest_collection_finish():
-    """Leave what is loaded by now out of Python's garbage collection: it stays to the end."""
+    """Leave what is loaded by now out of Python's garbage collection: it stays to the end.
+
+    A session looks at all that there is once more, as its process begins. Here some thousand tests
+    are loaded too, which takes half a second each time: only what came since is looked at.
+    """
     gc.collect()
     gc.freeze()
+    gc.freeze = gc.unfreeze = _nothing
+
+
+def _nothing():
+    """Leave what is frozen as it is."""
+
+
+@pytest.fixture
+def freezing(monkeypatch):
+    """Asked for where it is tested what is left out of collection: it is, and comes back."""
+    monkeypatch.setattr(gc, "freeze", FREEZE)
+    monkeypatch.setattr(gc, "unfreeze", UNFREEZE)
+    yield
+    FREEZE()
 
 
 @pytest.fixture(scope="session")
@@ -132,3 +154,10 @@ def small_search():
         patch.setattr(search, "ROUNDS", 2)
         patch.setattr(selective, "N_OTHERS", 10)
         yield
+
+
+@pytest.fixture
+def not_apart(monkeypatch):
+    """Asked for where logs and MJCFs are sound: they are read in this process, much sooner."""
+    for module in (motion_messages, mjcf):
+        monkeypatch.setattr(module, "apart", here)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from armodal.analyzer.gap.library import all_instances, described
+from armodal.analyzer.gap.library import described, instances_named
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult
@@ -129,8 +129,8 @@ def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
     if found is not None:
         return found
     # What depends on the level is in the file whether or not this session has levels.
-    for instance in all_instances(replace(ordinary, level_span=1.0)):
-        if instance.effect.name == effect.name and effect.place in (instance.place, "whole arm"):
+    for instance in instances_named(replace(ordinary, level_span=1.0), effect.name):
+        if effect.place in (instance.place, "whole arm"):
             return instance
     raise ArmError(
         f"arm '{ordinary.arm.name}': the effect '{effect.name}' at '{effect.place}' is not one the "

@@ -26,13 +26,24 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.lines_in_links import described_line
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
-__all__ = ["all_instances", "described", "hooks", "title_of", "together"]
+__all__ = ["all_instances", "described", "hooks", "instances_named", "title_of", "together"]
 
 
 @lru_cache(maxsize=8)  # of an arm and its postures; asked for in every round
 def all_instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """Return every effect at every place of an arm where it may be."""
     return tuple(instance for make in hooks("instances") for instance in make(ordinary))
+
+
+def instances_named(ordinary: Ordinary, name: str) -> tuple[Instance, ...]:
+    """Return the effect of that name at every place; much sooner than every effect there is."""
+    every = (
+        instance
+        for module in _modules()
+        if name in _names(module) and hasattr(module, "instances")
+        for instance in module.instances(ordinary)
+    )
+    return tuple(instance for instance in every if instance.effect.name == name)
 
 
 def hooks(name: str) -> tuple[Any, ...]:

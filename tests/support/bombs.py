@@ -31,6 +31,10 @@ SLOW_TO_READ = {
     "a_power_of_a_power", "thirty_million_copies", "a_billion_keyframes", "a_bag_without_end",
     "a_face_of_many_corners", "nodes_of_nodes",
     "large_rows_of_ones", "blanks_in_an_mcap", "large_lines_of_letters", "large_line_of_numbers",
+    # Half a second each, and read by what reads another one in the quick tests too.
+    "many_tables", "many_keys", "many_messages", "zeros_that_are_measurements",
+    "bytes_that_matlab_calls_doubles", "four_thousand_columns", "copies_of_copies",
+    "a_grid_of_millions", "keys_unknown",
 }  # fmt: skip
 
 # What a bomb is called: the decoders it is for, its file's ending, and what writes it.

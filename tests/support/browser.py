@@ -130,9 +130,10 @@ def browser():
         os.close(to_child)
         os.close(from_child)
         with os.fdopen(from_us, "wb", buffering=0) as out, os.fdopen(to_us, "rb") as back:
+            messages = _messages(back)
             page = Page(
                 lambda message: out.write(json.dumps(message).encode() + b"\0"),
-                lambda: json.loads(_message(back)),
+                lambda: json.loads(next(messages)),
             )
             try:
                 yield page
@@ -141,10 +142,10 @@ def browser():
                 process.wait(30)
 
 
-def _message(stream):
-    parts = []
-    while (byte := stream.read(1)) != b"\0":
-        if not byte:
-            raise RuntimeError("the browser closed the pipe")
-        parts.append(byte)
-    return b"".join(parts)
+def _messages(stream):
+    """Yield what comes, each up to its zero byte."""
+    rest = b""
+    while more := stream.read1(2**20):
+        *whole, rest = (rest + more).split(b"\0")
+        yield from whole
+    raise RuntimeError("the browser closed the pipe")

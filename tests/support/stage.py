@@ -84,8 +84,11 @@ class Stage:
 def play(
     stage: Stage, body: Callable[[Pilot[int]], Awaitable[None]], size: tuple[int, int] = (120, 36)
 ) -> None:
+    """Play a part on the stage; the app looks by itself once a second: the part says when to."""
+
     async def run() -> None:
         async with stage.app.run_test(size=size, message_hook=stage.notices) as pilot:
             await body(pilot)
 
-    asyncio.run(run())
+    with patch.object(app, "REDRAW_WALL_S", 1.0):
+        asyncio.run(run())

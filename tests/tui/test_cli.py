@@ -160,7 +160,7 @@ def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path, real_time):
     )
     with at_the_end(f"kill {lab.pid}"):
         ports = json.loads(lab.stdout.readline())
-        said = process(
+        said = armodal(
             "acquire",
             plan,
             "--board",

@@ -112,7 +112,10 @@ def test_names_in_files_of_every_kind_are_written_out(kind, tmp_path, monkeypatc
 
 
 def test_words_in_a_session_are_written_out(session, tmp_path):
+    """Of two postures, one of them for validation: what is said of more is said the same way."""
     path, page = tmp_path / "s.h5", tmp_path / "s.html"
+    few = (session.header.plan.postures[0].name, session.header.plan.postures[-1].name)
+    session = replace(session, hits=tuple(hit for hit in session.hits if hit.posture in few))
     header = replace(session.header, measured_by=LINES)
     save_session(replace(session, header=header, warnings=(LINES,)), path)
     for command in (("fit", path), ("check", "session", path), ("report", path, "--out", page)):

@@ -16,6 +16,8 @@ from armodal.protocols.errors import ArmError
 
 mujoco = pytest.importorskip("mujoco")
 
+pytestmark = pytest.mark.usefixtures("not_apart")
+
 UR5 = load_arm("ur5")
 # What MuJoCo's slopes by differences of 1e-6 leave of a mode.
 EXACT = 1e-6

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.bench_effects import JOINTS
-from support.small_case import small_case
+from support.small_case import SmallestCase, small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
@@ -207,7 +207,7 @@ def test_a_plain_arm_s_soft_and_hard_hits_are_not_told_apart(linear):
 
 
 def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level():
-    session = small_case(3001, "rv4frl", "friction", ladder=True).session()
+    session = small_case(3001, "rv4frl", "friction", ladder=True, of=SmallestCase).session()
     found = told(session)
     assert found is not None
     assert found.gain > 100.0  # nats: friction of a clear size; plain arms have 12 at most

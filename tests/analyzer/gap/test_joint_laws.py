@@ -214,10 +214,23 @@ def test_where_nothing_was_hit_a_law_is_the_spring_of_swings_of_the_level(arm):
     assert below[0] < below[1] < below[2]  # below resonance a softer joint answers more
 
 
-@pytest.mark.parametrize(
-    ("kind", "module"),
-    [("softening", softening), pytest.param("friction", friction, marks=pytest.mark.long)],
-)
+def test_a_fit_of_a_law_ends_nearer_to_the_data_than_it_began(arm):
+    """Of a softening that is not there: its size is to become small."""
+    stage, plain, _, swings = arm
+    hypothesis = with_law(plain, softening, "joint_2", swings)
+    (instance,) = hypothesis.instances
+    space = hypothesis.space()
+    begin = space.values(space.start())
+    starts = [begin | {instance.size: size} for size in (0.3, 0.2)]
+    start = best_starting_point(stage, hypothesis, starts)
+    assert start == starts[1]
+    found = fit_hypothesis(stage, hypothesis, start=start, max_iterations=1)
+    assert found.cost < cost_at(stage, hypothesis, start) / 2.0
+    assert abs(found.values[instance.size]) < 0.1
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("kind", "module"), [("softening", softening), ("friction", friction)])
 def test_a_joint_s_own_law_explains_more_than_a_spring_of_each_level(kind, module):
     stage, plain = levelled(kind)
     first = fit_hypothesis(stage, plain, max_iterations=8)

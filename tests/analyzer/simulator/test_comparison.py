@@ -17,6 +17,8 @@ from armodal.protocols.plan import plan_from_text
 
 mujoco = pytest.importorskip("mujoco")
 
+pytestmark = pytest.mark.usefixtures("not_apart")
+
 
 @pytest.fixture(scope="module")
 def few_hits():

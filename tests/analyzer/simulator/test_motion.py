@@ -20,6 +20,8 @@ from armodal.protocols.errors import ArmError, EstimateError
 
 mujoco = pytest.importorskip("mujoco")
 
+pytestmark = pytest.mark.usefixtures("not_apart")
+
 RATE_HZ, POINT = 1000.0, "1"
 Q = np.array([0.2, 0.5, 1.0, 0.1, 0.6, 0.0])
 

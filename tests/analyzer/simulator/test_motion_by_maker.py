@@ -10,6 +10,8 @@ from armodal.analyzer.simulator.motion import compare_with_motion
 
 mujoco = pytest.importorskip("mujoco")
 
+pytestmark = pytest.mark.usefixtures("not_apart")
+
 COMPLIANCE, LOSS = 1e-5, 1e-4
 
 

@@ -13,7 +13,7 @@ class _Round:
         self.itself = self
 
 
-def test_what_an_earlier_session_left_out_of_collection_is_collected(start):
+def test_what_an_earlier_session_left_out_of_collection_is_collected(start, freezing):
     left = _Round()
     gc.freeze()  # as that session did
     gone = weakref.ref(left)

@@ -45,7 +45,7 @@ def in_ns(t):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_angles_and_accelerations_come_back_on_one_even_clock(arm, tmp_path, kind):
+def test_angles_and_accelerations_come_back_on_one_even_clock(arm, not_apart, tmp_path, kind):
     log = read_motion_log(WRITERS[kind](tmp_path / "log", topics(arm)), arm)
     assert log.rate_hz == pytest.approx(1000.0, rel=1e-6)
     assert log.slowest_hz == pytest.approx(250.0, rel=1e-6)
@@ -59,7 +59,9 @@ def test_angles_and_accelerations_come_back_on_one_even_clock(arm, tmp_path, kin
     assert log.unused == ()
 
 
-def test_an_accelerometer_is_known_by_its_frame_and_commands_by_their_topic(arm, tmp_path):
+def test_an_accelerometer_is_known_by_its_frame_and_commands_by_their_topic(
+    arm, not_apart, tmp_path
+):
     joints, imu = topics(arm)
     imu[0], imu[1] = "/imu/data", "acc_1"
     commands = ["/joint_commands", *joints[1:3], joints[3] + 0.01]
@@ -68,7 +70,7 @@ def test_an_accelerometer_is_known_by_its_frame_and_commands_by_their_topic(arm,
     assert set(log.acceleration_m_s2) == {"1"}
 
 
-def test_topics_of_any_name_are_what_the_user_says(arm, tmp_path):
+def test_topics_of_any_name_are_what_the_user_says(arm, not_apart, tmp_path):
     joints, imu = topics(arm)
     joints[0], imu[0] = "/desired", "/sensor"
     path = mcap_cdr(tmp_path / "log", [joints, imu, ["/other", "imu_link", *imu[2:]]])
@@ -78,7 +80,7 @@ def test_topics_of_any_name_are_what_the_user_says(arm, tmp_path):
     assert log.unused == ("/other",)
 
 
-def test_stamps_that_jitter_are_read_as_even_and_told(arm, tmp_path):
+def test_stamps_that_jitter_are_read_as_even_and_told(arm, not_apart, tmp_path):
     path = mcap_cdr(tmp_path / "log", topics(arm, jitter=0.2))
     log = read_motion_log(path, arm)
     angles, _ = smooth(0.0003 + np.arange(len(log.angles_rad)) / 1000.0, arm)
@@ -95,7 +97,7 @@ def refused(path, arm, roles=None):
     return str(told.value)
 
 
-def test_what_lacks_is_named_at_once_with_the_topics_there_are(arm, tmp_path):
+def test_what_lacks_is_named_at_once_with_the_topics_there_are(arm, not_apart, tmp_path):
     joints, imu = topics(arm)
     imu[0] = "/imu/data"
     joints[1] = joints[1][1:]
@@ -108,14 +110,14 @@ def test_what_lacks_is_named_at_once_with_the_topics_there_are(arm, tmp_path):
         assert part in said
 
 
-def test_two_topics_for_one_thing_are_not_guessed_between(arm, tmp_path):
+def test_two_topics_for_one_thing_are_not_guessed_between(arm, not_apart, tmp_path):
     joints, imu = topics(arm)
     said = refused(mcap_cdr(tmp_path / "log", [joints, imu, ["/second", *joints[1:]]]), arm)
     assert "one topic for encoder, not /joint_states and /second" in said
     assert "--topic encoder=TOPIC" in said
 
 
-def test_jumps_of_a_clock_and_lost_messages_are_told_by_topic(arm, tmp_path):
+def test_jumps_of_a_clock_and_lost_messages_are_told_by_topic(arm, not_apart, tmp_path):
     joints, imu = topics(arm)
     joints[2][300:] += 5 * 10**8
     kept = np.delete(np.arange(len(imu[2])), [700, 900])
@@ -125,7 +127,7 @@ def test_jumps_of_a_clock_and_lost_messages_are_told_by_topic(arm, tmp_path):
     assert "1 ms apart on /arm/acc_1 as most are, got 2 ms after message 700 and 2 such" in said
 
 
-def test_logs_of_different_times_and_other_units_are_told(arm, tmp_path):
+def test_logs_of_different_times_and_other_units_are_told(arm, not_apart, tmp_path):
     joints, imu = topics(arm)
     imu[2] = imu[2] + 10**11
     assert "log all at the same time" in refused(mcap_cdr(tmp_path / "a", [joints, imu]), arm)

@@ -20,13 +20,12 @@ class Cycle:
 
 
 @pytest.fixture(autouse=True)
-def _thresholds_of_a_program() -> Iterator[None]:
-    """The tests have others, and leave out what they have loaded, which the collector ends."""
+def _as_in_a_program(freezing: None) -> Iterator[None]:
+    """The tests have other thresholds, and leave out what they have loaded for good."""
     before = gc.get_threshold()
     gc.set_threshold(700, 10, 10)
     yield
     gc.set_threshold(*before)
-    gc.freeze()
 
 
 @pytest.fixture
