@@ -113,6 +113,16 @@ def error_slopes(
     return found
 
 
+def _root_of_inverse(curvature: Array) -> Array:
+    """(n, n) R with R'R = (curvature + I)^-1.
+
+    Derivatives are in single precision: what should be nothing beside the largest may come out
+    below it.
+    """
+    size, Q = np.linalg.eigh((curvature + curvature.T) / 2.0)
+    return np.asarray((Q / np.sqrt(np.maximum(size, 0.0) + 1.0)).T)
+
+
 def released(parts: Sequence[Sensitivities], free: npt.NDArray[np.int64]) -> list[Array]:
     """(M, 2L) each posture's residual as large as its error was before the fit took its part."""
     n = len(free)
@@ -120,7 +130,7 @@ def released(parts: Sequence[Sensitivities], free: npt.NDArray[np.int64]) -> lis
     for part in parts:
         J, clean = (of[free].reshape(n, -1) for of in (part.raw, part.clean))
         own.append((J @ clean.T).astype(np.float64))
-    root = np.linalg.inv(np.linalg.cholesky(np.sum(own, axis=0) + np.eye(n)))
+    root = _root_of_inverse(np.sum(own, axis=0))
     found = []
     for part, curvature in zip(parts, own, strict=True):
         h = root @ curvature @ root.T

@@ -21,6 +21,8 @@ __all__ = ["costs_of", "sloped", "summed"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
+_TELLING = 1.0 / np.finfo(np.float64).eps  # beyond it mounting errors take off more than is known
+
 
 def summed(
     weighings: Sequence[Weighing], y: ComplexArray, columns: Columns, at: Sequence[int]
@@ -186,6 +188,11 @@ def _measured(
     N : (P m, 3, k, 2L) (N'N + I)^-1/2 N': what errors take off is then a sum of squares
     Nr : (P m, 3, k) their product with the residual
     costs : (P,) chi^2 / 2
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If a prediction is so far off that rounding moves its cost by nats.
     """
     there = y.reshape(-1, *y.shape[2:])
     values, scale, prior, places = (
@@ -199,7 +206,10 @@ def _measured(
     N = nuisance(scale, prior, places, beside).swapaxes(-1, -2)
     N = np.matmul(_root_of_inverse(N), N)
     Nr = np.matmul(N, r[..., None])[..., 0]
-    by_channel = np.sum(r * r, axis=-1) - np.sum(Nr * Nr, axis=-1)
+    squares = np.sum(r * r, axis=-1)
+    if not np.all(squares < _TELLING):
+        raise np.linalg.LinAlgError("Predictions so far off that rounding alone is nats")
+    by_channel = squares - np.sum(Nr * Nr, axis=-1)
     return scale, r, N, Nr, 0.5 * by_channel.reshape(len(y), -1).sum(axis=1)
 
 

@@ -67,3 +67,15 @@ def test_curvature_is_the_sum_over_postures():
     parts, _ = made(np.random.default_rng(4))
     want = sum(p.raw.reshape(N_FREE, -1) @ p.clean.reshape(N_FREE, -1).T for p in parts)
     np.testing.assert_allclose(curvature_of(parts), want)
+
+
+def test_derivatives_in_single_precision_that_hardly_differ_are_no_obstacle():
+    """Their curvature, by rounding, has eigenvalues far below zero."""
+    rng = np.random.default_rng(4)
+    one = 1e5 * rng.standard_normal((1, CHANNELS, 2 * LINES))
+    J = (one + rng.standard_normal((N_FREE, CHANNELS, 2 * LINES))).astype(np.float32)
+    flat = J.reshape(N_FREE, -1)
+    assert np.linalg.eigvalsh((flat @ flat.T).astype(float))[0] < -1.0
+    part = Sensitivities(raw=J, clean=J, left=rng.standard_normal((CHANNELS, 2 * LINES)))
+    (back,) = released([part], np.arange(N_FREE))
+    assert np.isfinite(back).all()

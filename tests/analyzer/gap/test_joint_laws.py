@@ -303,3 +303,13 @@ def test_a_law_whose_swings_do_not_stay_finite_costs_beyond_all_others(arm):
     with np.errstate(all="ignore"):
         assert cost_at(stage, broken, {}) == np.inf
         assert np.isfinite(cost_at(stage, hypothesis, {}))
+
+
+def test_a_fit_cannot_begin_where_rounding_alone_would_be_its_cost(arm):
+    """A law so large that its linear stand-in lies on a pole: predictions are off by all orders."""
+    stage, plain, _, swings = arm
+    hypothesis = with_law(plain, softening, "joint_2", swings)
+    size = hypothesis.instances[0].parameters[0].name
+    assert cost_at(stage, hypothesis, {size: 0.6}) == np.inf
+    with pytest.raises(np.linalg.LinAlgError):
+        fit_hypothesis(stage, hypothesis, start={size: 0.6}, max_iterations=0)
