@@ -6,10 +6,12 @@ import json
 import re
 import select
 import shutil
+import signal
 import subprocess
 import sys
-from collections.abc import Sequence
-from contextlib import suppress
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -164,17 +166,40 @@ def start_laboratory(
 
 def launch(command: Sequence[str], *, temporary: Path | None = None) -> Laboratory:
     """Start a laboratory by its command line; it must print the ready line of `hil_sim`."""
-    # The command is composed here, of this interpreter and checked values.
-    process = subprocess.Popen(  # noqa: S603
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+    process: subprocess.Popen[bytes] | None = None
     try:
+        with _signals_after():
+            # The command is composed here, of this interpreter and checked values.
+            process = subprocess.Popen(  # noqa: S603
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+            )
         return Laboratory(process, _ready_line(process), temporary=temporary)
     except BaseException:
-        _end(process)
+        if process is not None:
+            _end(process)
         if temporary is not None:
             shutil.rmtree(temporary, ignore_errors=True)
         raise
+
+
+@contextmanager
+def _signals_after() -> Iterator[None]:
+    """Put SIGINT and SIGTERM off: between a process and its name nobody could end it."""
+    numbers = signal.SIGINT, signal.SIGTERM
+    is_main = threading.current_thread() is threading.main_thread()
+    handlers = {n: signal.getsignal(n) for n in numbers if is_main}
+    # What is ignored stays so, in the new process too.
+    handlers = {n: handler for n, handler in handlers.items() if callable(handler)}
+    put_off: list[int] = []
+    for number in handlers:
+        signal.signal(number, lambda late, _: put_off.append(late))
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for caught in put_off:
+            signal.raise_signal(caught)
 
 
 def _ready_line(process: subprocess.Popen[bytes]) -> dict[str, object]:

@@ -188,3 +188,30 @@ def test_what_a_laboratory_refuses_to_start_with_is_told_in_its_words():
     refusing = "import sys; sys.stderr.write('hil_sim: no plant'); sys.exit(2)"
     with pytest.raises(PlantError, match=r"^no plant$"):
         launch([sys.executable, "-c", refusing])
+
+
+def test_a_signal_while_the_process_is_made_ends_it_too(monkeypatch):
+    made = []
+
+    class Late(subprocess.Popen):
+        """A process that is there before anyone can name it."""
+
+        def __init__(self, *args, **more):
+            super().__init__(*args, **more)
+            made.append(self)
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0)  # where Python would act on it
+
+    def leave(number, _):
+        raise SystemExit(128 + number)
+
+    monkeypatch.setattr(subprocess, "Popen", Late)
+    before = signal.signal(signal.SIGTERM, leave)
+    try:
+        with pytest.raises(SystemExit):
+            launch([sys.executable, "-c", "input()"])
+        assert signal.getsignal(signal.SIGTERM) is leave
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    (process,) = made
+    assert process.poll() == -signal.SIGTERM
