@@ -131,9 +131,12 @@ def given_way(
             loss_parameter(loss),
             loss_factor_parameter(factor),
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
-            Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD),
-            Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD),
-            *(Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD_M) for name in aside),
+            Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD, untold=0.0),
+            Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD, untold=0.0),
+            *(
+                Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD_M, untold=0.0)
+                for name in aside
+            ),
         ),
         builder=build,
         describe=describe,

@@ -143,3 +143,17 @@ def test_modes_near_each_other_stay_two_with_a_loss_factor():
     posture = posture_of(with_effects(ARM, replace(soft, parameters=lossy)))
     first, second, *_ = corrected_modes(posture).f_hz
     assert second > 1.05 * first
+
+
+def test_a_file_from_before_a_parameter_was_there_means_none_of_it():
+    """A loss factor, and where along its line a link is soft: an older file has neither."""
+    bends = any_of(ARM, "link_bending")
+    newer = ("loss_factor", "taper", "middle", "aside_a", "aside_b")
+    older = tuple(p for p in bends.parameters if not p.name.endswith(newer))
+    assert len(older) < len(bends.parameters)
+    told = tuple(replace(p, value=0.0) if p.name.endswith(newer) else p for p in bends.parameters)
+    before, now = (
+        corrected_modes(posture_of(with_effects(ARM, replace(bends, parameters=of))))
+        for of in (older, told)
+    )
+    assert before.f_hz == pytest.approx(now.f_hz, rel=SAME)
