@@ -12,9 +12,9 @@ from armodal.hil_sim.effects.hysteretic import FILE_HZ, beside_a_spring
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["MOST_LOSS", "InterfaceLoss", "loss_of_file"]
+__all__ = ["InterfaceLoss", "loss_of_file"]
 
-MOST_LOSS = 0.3  # more is no loss of a structure
+_MOST_LOSS = 0.3  # more is no loss of a structure
 _BAND_HZ = 5.0, 200.0
 _ELEMENTS = 5
 
@@ -27,7 +27,7 @@ class InterfaceLoss(BaseEffect):
 
     kind: Literal["interface_loss"]
     stiffness: dict[str, Positive]
-    loss_factor: Annotated[float, Field(gt=0.0, le=MOST_LOSS)]
+    loss_factor: Annotated[float, Field(gt=0.0, le=_MOST_LOSS)]
 
     def act(self, terms: LinearTerms) -> None:
         """Put them there."""
@@ -44,6 +44,6 @@ def loss_of_file(factor: float, stiffness: Mapping[str, float]) -> list[dict[str
         {
             "kind": "interface_loss",
             "stiffness": dict(stiffness),
-            "loss_factor": min(factor, MOST_LOSS),
+            "loss_factor": min(factor, _MOST_LOSS),
         }
     ]

@@ -188,7 +188,7 @@ def digest(specs):
 
 
 def test_published_studies_are_drawn_alike_for_ever():
-    # Of commit 0d63e29: seed 42 of `docs/gap-study.md`, and seed 1 of the first library.
+    # Of commit 0d63e29: seed 42 of a study before, and seed 1 of the first library.
     published = partial(draw_study, 42, nulls=150, effects=174, pairs=20, outside=34, ladder=True)
     assert digest(published(library=library(2))) == "2104d44a6bc51c55"
     assert digest(draw_study(1, library=library(1))) == "55ed2ba5888be14f"
