@@ -1,11 +1,15 @@
 """Drives that lose by amplitude, not by speed: a loss factor the same at all frequencies."""
 
+import numpy as np
+
 from armodal.hil_sim.makers.frame.everyday import Everyday
-from armodal.hil_sim.makers.frame.kit import Hidden, Kit
+from armodal.hil_sim.makers.frame.kit import TOLD_AT_HZ, Hidden, Kit
 from armodal.hil_sim.makers.frame.modal import loss_law
 from armodal.hil_sim.makers.frame.structure import Complex, Law
 
 RANGE = (0.01, 0.5)  # loss factor
+# Where a drive has its stiffness, and where an arm file tells it.
+REST, TOLD = (2.0j * np.pi * np.array([f_hz]) for f_hz in (20.0, TOLD_AT_HZ))
 
 
 def where(drawn: Everyday) -> list[str]:
@@ -17,14 +21,15 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     """Give every drive nearly constant hysteresis in place of its own law."""
     for joint in place.split("|"):
         kit.parts.drives[joint].law = _law(size * kit.parts.drives[joint].stiffness)
-    return {"loss_factor": size}
+    # Over the stiffness that an arm file means.
+    at_rest = 1.0 - size * loss_law(REST)[0].real
+    return {"loss_factor": size / (at_rest + size * loss_law(TOLD)[0].real)}
 
 
 def _law(scale: float) -> Law:
     def law(s: Complex) -> Complex:
-        lossy: Complex = scale * loss_law(s)
-        # What the law adds to the stiffness at 20 Hz belongs to the drive's.
-        at = loss_law(s[:1] * 0 + 125.66j).real
-        return lossy - scale * at
+        # What the law adds to the stiffness there belongs to the drive's.
+        lossy: Complex = scale * (loss_law(s) - loss_law(REST)[0].real)
+        return lossy
 
     return law
