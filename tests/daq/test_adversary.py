@@ -17,11 +17,30 @@ import armodal.daq
 from armodal.protocols.session.compare import first_difference
 from armodal.protocols.session.journal import decode_journal
 
-SMALL = len(KINDS)
+QUICK = {
+    "removed",
+    "replaced_by_a_link",
+    "cut",
+    "folder_moved",
+    "lock_removed",
+    "permission withdrawn",
+    "full",
+    "late errors, told at every sync",
+    "host stops for 30 s",
+    "board-reboot",
+    "clock-jump",
+    "missing calibration",
+}
 COARSE_S = 0.01  # a step of the laboratory: half the time of its finer ones
 
 
-@pytest.mark.parametrize("seed", range(SMALL), ids=KINDS)
+def seeds():
+    """Each kind of disturbance once; in the quick tests those whose answers differ."""
+    for seed, kind in enumerate(KINDS):
+        yield pytest.param(seed, id=kind, marks=() if kind in QUICK else pytest.mark.long)
+
+
+@pytest.mark.parametrize("seed", [*seeds()])
 def test_no_announced_hit_is_lost(seed):
     found = disturbed_session(seed, step_s=COARSE_S)
     assert (found.lost, found.wrong) == ([], "")

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.chain_arm import chain_arm
+from support.quick import few_quick
 
 from armodal.hil_sim.controller import ENCODER_NOISE_RAD, ENCODER_STEP_RAD
 from armodal.hil_sim.joint_messages import JointMessages
@@ -27,7 +28,7 @@ from armodal.protocols.slcan import CanFrame, SlcanParser
 EVERY = [*range(1, 10)]
 
 
-@pytest.mark.parametrize("n", EVERY)
+@pytest.mark.parametrize("n", few_quick(EVERY, 1, 6, 9))
 def test_an_arm_of_one_to_nine_joints_is_drawn_and_differs_from_its_file(n):
     arm = with_generic_can(chain_arm(n))
     plant, effects = draw_plant(Rehearsal(arm=arm), seed=1)
@@ -74,7 +75,7 @@ def test_another_arm_by_a_shipped_name_is_drawn_by_itself():
     assert draw_plant(Rehearsal(arm=other), seed=1)[0].truth.links[0].name == "link 1"
 
 
-@pytest.mark.parametrize("n", EVERY)
+@pytest.mark.parametrize("n", few_quick(EVERY, 1, 6, 9))
 def test_the_laboratorys_plan_lies_in_the_ranges_and_every_spring_answers(n):
     arm = chain_arm(n)
     plan = rehearsal_plan(arm)

@@ -40,8 +40,15 @@ def relative_error(frf, R):
 FAST = {"rate": 16384, "samples": 32768}
 
 
-@pytest.mark.parametrize("corner_hz", [0.0, 0.5])
-@pytest.mark.parametrize("force_s", [None, 0.02])
+@pytest.mark.parametrize(
+    ("force_s", "corner_hz"),
+    [
+        (None, 0.0),
+        pytest.param(None, 0.5, marks=pytest.mark.long),
+        pytest.param(0.02, 0.0, marks=pytest.mark.long),
+        (0.02, 0.5),
+    ],
+)
 def test_windowed_frf_is_the_transfer_function_on_the_shifted_line(corner_hz, force_s):
     rng = np.random.default_rng(1)
     R = residues(rng, 2)

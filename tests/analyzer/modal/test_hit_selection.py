@@ -29,7 +29,7 @@ def line_errors(rng, n, size=0.02):
     return size * np.abs(frf()) * (noise[0] + 1j * noise[1])
 
 
-@pytest.mark.parametrize("n", [5, pytest.param(6, marks=pytest.mark.long), 8])
+@pytest.mark.parametrize("n", [5, *(pytest.param(n, marks=pytest.mark.long) for n in (6, 8))])
 @pytest.mark.parametrize("errors", [aim_errors, line_errors])
 def test_good_hits_are_seldom_called_unlike(n, errors):
     rng = np.random.default_rng(1)

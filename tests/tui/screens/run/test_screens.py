@@ -121,7 +121,12 @@ def test_a_resize_in_the_middle_of_a_hit_loses_nothing(tmp_path):
     [
         ("JournalError", "cannot write the journal: no space is left on the disk", "disk is full"),
         ("DeviceLostError", "the board on /dev/ttyACM0 is gone", "Plug it in again"),
-        ("CanError", "no frame came on /dev/ttyACM1", "controller is silent"),
+        pytest.param(
+            "CanError",
+            "no frame came on /dev/ttyACM1",
+            "controller is silent",
+            marks=pytest.mark.long,
+        ),
         ("SomethingElse", "what nobody has thought of", "cannot go on"),
     ],
 )
