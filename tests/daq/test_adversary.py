@@ -62,6 +62,7 @@ def test_no_clock_of_the_wall_decides_anything():
     ]
 
 
+@pytest.mark.long
 def test_a_session_is_the_same_whatever_the_clock_on_the_wall_does(monkeypatch):
     """Set back and forth at every look at it, or stopped as in a leap second."""
     coarse = partial(VirtualLab, step_s=COARSE_S)

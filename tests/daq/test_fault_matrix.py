@@ -25,6 +25,7 @@ def test_a_session_without_faults_loses_nothing():
     assert isinstance(outcome.endings[-1], Finished)
 
 
+@pytest.mark.long
 def test_the_same_seed_is_the_same_run():
     one, other = (decode_journal(run_seed(9).journal) for _ in range(2))
     assert [h.trigger_host_s for h in one.hits] == [h.trigger_host_s for h in other.hits]

@@ -191,6 +191,7 @@ def acquiring(lab, fakes):
     process.join()
 
 
+@pytest.mark.long
 def test_a_killed_process_leaves_its_hits_and_a_lock_that_stops_nobody(acquiring, lab, fakes):
     process, _, hit = acquiring
     process.kill()

@@ -139,6 +139,7 @@ def test_the_laboratory_ends_when_its_parent_dies(tmp_path):
     assert not (tmp_path / "lab" / "operator.sock").exists()
 
 
+@pytest.mark.long
 def test_a_laboratory_that_is_being_made_ends_with_its_parent(tmp_path):
     making = (
         "import sys, threading; import armodal.hil_sim.__main__ as program\n"
@@ -159,6 +160,7 @@ def _runs(pid):
     return not status.exists() or status.read_text().rsplit(")", 1)[1].split()[0] != "Z"
 
 
+@pytest.mark.long
 def test_sigterm_ends_the_laboratory_cleanly(start_known_laboratory):
     laboratory = start_known_laboratory().laboratory
     os.kill(laboratory.pid, signal.SIGTERM)

@@ -114,6 +114,7 @@ def test_numbers_of_a_matlab_file_are_of_a_type_it_knows():
             plain_variables(mat_with_type(kind))
 
 
+@pytest.mark.long
 def test_a_small_matlab_file_of_very_much_data_is_refused_before_it_is_held():
     much = 2**27  # zeros, an eighth of a megabyte compressed
     packed = zlib.compress(struct.pack("<II", 14, much) + bytes(much))

@@ -131,6 +131,7 @@ def test_the_model_tells_an_frf_that_was_not_measured():
     assert np.all(np.abs(told[0, 0] - true) < 0.05 * np.abs(true).max())
 
 
+@pytest.mark.long
 def test_a_roving_hammer_may_leave_out_driving_points():
     made = several_references(np.random.default_rng(3))
     frf = made.frf

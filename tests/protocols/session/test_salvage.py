@@ -147,6 +147,7 @@ def within_bounds():
     resource.setrlimit(resource.RLIMIT_CPU, (10, 10))
 
 
+@pytest.mark.long
 def test_a_hole_costs_neither_memory_nor_long(example, tmp_path):
     """A sparse file of 2 GiB: three hits, a hole, one record."""
     path = tmp_path / "holed.journal"

@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
 from support.at_the_end import at_the_end
 
 COMMAND = (sys.executable, "-m", "armodal.tui.cli", "sim", "--time-scale", "8")
@@ -29,6 +30,7 @@ def test_it_names_the_arm_and_the_plan_that_it_simulates():
     assert re.match(wanted, said)
 
 
+@pytest.mark.long
 def test_the_shipped_laboratory_goes_with_the_default_arm():
     assert re.match(r"next: armodal run PLAN --board \S+ --can \S+ --time-scale 8 ", last_line())
 
