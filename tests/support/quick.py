@@ -15,6 +15,13 @@ def few_quick(cases: Iterable[Any], *quick: Any) -> list[Any]:
     return [one if one in quick else pytest.param(one, marks=pytest.mark.long) for one in every]
 
 
+def every_but(cases: Iterable[Any], *long: Any) -> list[Any]:
+    """Return the cases as parameters; those that are told are long."""
+    every = list(cases)
+    assert all(case in every for case in long), long
+    return [pytest.param(one, marks=pytest.mark.long) if one in long else one for one in every]
+
+
 def every_nth(cases: Collection[Any], n: int) -> list[Any]:
     """Return the cases as parameters; only one in `n` is quick, from the first on."""
     return [
