@@ -187,7 +187,7 @@ def test_a_misfit_within_two_lines_of_a_sharp_mode_is_that_mode_s(lines_off, is_
 
 
 @pytest.mark.parametrize(
-    "seed", [0, 1, *(pytest.param(i, marks=pytest.mark.long) for i in range(2, 6))]
+    "seed", [0, *(pytest.param(i, marks=pytest.mark.long) for i in range(1, 6))]
 )
 def test_a_misfit_that_rises_to_the_band_s_edge_is_no_missing_mode(seed):
     made = eight_modes(np.random.default_rng(seed))

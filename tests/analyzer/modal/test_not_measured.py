@@ -89,6 +89,7 @@ def test_intervals_cover_without_a_diagonal():
     assert all(0.90 <= share <= 0.99 for share in shares), shares
 
 
+@pytest.mark.long
 def test_a_matrix_without_its_diagonal_counts_six_frfs_not_nine():
     told = [
         fit_modes(several_references(np.random.default_rng(seed), **NO_DIAGONAL).frf).lack_of_fit

@@ -46,7 +46,14 @@ def all_done():
 
 
 @pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.long), (50, 12)])
-@pytest.mark.parametrize("asked_next", [AT_POSTURE, AT_POINT, AT_HIT, all_done()])
+@pytest.mark.parametrize(
+    "asked_next",
+    [
+        AT_POSTURE,
+        *(pytest.param(asked, marks=pytest.mark.long) for asked in (AT_POINT, AT_HIT)),
+        all_done(),
+    ],
+)
 def test_the_verdict_is_shown_whatever_is_asked_next(tmp_path, size, asked_next):
     stage = Stage(tmp_path)
 
