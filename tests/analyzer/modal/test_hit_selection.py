@@ -83,6 +83,7 @@ def test_surplus_hits_are_the_farthest_from_the_mean():
     assert {d.hit: d.reason for d in selection.dropped} == {2: "surplus", 3: "surplus"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("n", "keep"), [(5, 4), *(pytest.param(n, 3, marks=pytest.mark.long) for n in (4, 6))]
 )

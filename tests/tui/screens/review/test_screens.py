@@ -159,6 +159,7 @@ def test_the_table_of_modes_leaves_columns_out_by_importance_and_says_which(driv
     drive(steps, size=(columns, 24))
 
 
+@pytest.mark.long
 def test_no_color_uses_the_theme_without_colour(drive):
     async def steps(app, pilot):
         assert app.theme == MONO

@@ -66,6 +66,7 @@ def test_every_screen_fits_every_size(tmp_path, size):
     play(stage, body, size)
 
 
+@pytest.mark.long
 def test_a_click_on_a_key_of_the_footer_presses_it(tmp_path):
     stage = Stage(tmp_path)
 
