@@ -5,12 +5,15 @@ import os
 import signal
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from support.chain_arm import chain_arm
 from support.quick import few_quick
 
+from armodal.hil_sim import __main__ as program
+from armodal.hil_sim import lab
 from armodal.hil_sim.controller import ENCODER_NOISE_RAD, ENCODER_STEP_RAD
 from armodal.hil_sim.joint_messages import JointMessages
 from armodal.hil_sim.lab import launch, start_laboratory
@@ -242,3 +245,26 @@ def test_a_laboratory_that_is_killed_is_no_fault_of_the_simulation(tmp_path):
         os.kill(laboratory.pid, signal.SIGKILL)
         with pytest.raises(DeviceLostError, match="ended from outside by signal 9"):
             laboratory.wait()
+
+
+def test_a_laboratory_of_any_arm_is_asked_for_by_a_file_and_told_its_faults(tmp_path, monkeypatch):
+    """Without its process: what it is begun with, and what it makes of that."""
+    monkeypatch.setattr(lab, "launch", lambda command, *, temporary: command)
+    rehearsal = Rehearsal(arm=load_arm("ur5"))
+    faults = ("board-silence", "can-silence")
+    command = start_laboratory(rehearsal, seed=4, directory=tmp_path / "lab", faults=faults)
+    made = []
+
+    def run(laboratory, *, watch_stdin):
+        made.append(laboratory)
+        laboratory.close()
+
+    monkeypatch.setattr(program, "run", run)
+    arguments = [word for word in command[3:] if word != "--watch-stdin"]
+    assert program.parse(arguments).fault == list(faults)
+    assert program.main(arguments) == 0
+    (laboratory,) = made
+    ledger = laboratory.ready()["ledger"]
+    names = [joint.name for joint in read_ledger(ledger).truth.joints]
+    assert names == [joint.name for joint in rehearsal.arm.joints]
+    assert not Path(ledger).read_text(encoding="utf-8").startswith("{")  # it is sealed
