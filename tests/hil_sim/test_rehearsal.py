@@ -266,5 +266,6 @@ def test_a_laboratory_of_any_arm_is_asked_for_by_a_file_and_told_its_faults(tmp_
     (laboratory,) = made
     ledger = laboratory.ready()["ledger"]
     names = [joint.name for joint in read_ledger(ledger).truth.joints]
-    assert names == [joint.name for joint in rehearsal.arm.joints]
+    # Those that give way: of the last one the file has no stiffness.
+    assert names == [joint.name for joint in rehearsal.arm.joints if joint.stiffness is not None]
     assert not Path(ledger).read_text(encoding="utf-8").startswith("{")  # it is sealed
