@@ -231,6 +231,7 @@ def test_amplitude_at_every_resonance_survives_the_round_trip_from_hits():
         assert scaling.modal_mass_kg == pytest.approx(1.0 / np.max(np.abs(true)) ** 2, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_roving_hammer_gives_the_same_masses():
     rng = np.random.default_rng(9)
     shapes = unit_mass_shapes(rng, 1)

@@ -121,7 +121,12 @@ def test_a_resize_in_the_middle_of_a_hit_loses_nothing(tmp_path):
     ("kind", "message", "words"),
     [
         ("JournalError", "cannot write the journal: no space is left on the disk", "disk is full"),
-        ("DeviceLostError", "the board on /dev/ttyACM0 is gone", "Plug it in again"),
+        pytest.param(
+            "DeviceLostError",
+            "the board on /dev/ttyACM0 is gone",
+            "Plug it in again",
+            marks=pytest.mark.long,
+        ),
         pytest.param(
             "CanError",
             "no frame came on /dev/ttyACM1",
@@ -252,7 +257,7 @@ def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_
     play(stage, body)
 
 
-@pytest.mark.parametrize("columns", [60, 80])
+@pytest.mark.parametrize("columns", [60, pytest.param(80, marks=pytest.mark.long)])
 def test_the_safety_line_is_whole_and_that_nothing_was_lost_gives_way(tmp_path, columns):
     stage = Stage(tmp_path)
     lost = LossNoted(loss=Loss(kind="stream", count=7, first_sample=None, host_s=0.0, note=""))
