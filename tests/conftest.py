@@ -23,11 +23,12 @@ from support.held_up import HeldUpError, StallWatch
 from support.not_apart import here
 from support.offline_lab import first_postures, simulate_session
 from support.once_for_all import once_for_all
+from support.plain_structure import moving_fit
 from support.shares import in_share
 
 from armodal.analyzer.arm import Superset
 from armodal.analyzer.identification.identify import identify
-from armodal.analyzer.planning import search, selective
+from armodal.analyzer.planning import equipment, search, selective
 from armodal.hil_sim.plant import load_plant
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.foreign import motion_messages
@@ -142,6 +143,12 @@ def identified(session, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def moving(tmp_path_factory):
+    """FRFs whose resonances a sensor's mass moves, and their modes."""
+    return once_for_all(tmp_path_factory, "moving", moving_fit)
+
+
+@pytest.fixture(scope="session")
 def superset(arm):
     return Superset(arm)
 
@@ -152,6 +159,9 @@ def small_search():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search, "N_RANDOM", 1000)
         patch.setattr(search, "ROUNDS", 2)
+        patch.setattr(search, "N_LIKE", 2)
+        patch.setattr(search, "N_VARIOUS", 4)
+        patch.setattr(equipment, "N_POSTURES", 10)
         patch.setattr(selective, "N_OTHERS", 10)
         yield
 

@@ -52,7 +52,8 @@ def test_what_was_identified_predicts_and_is_drawn(session, identified):
 
 
 def test_a_report_is_written(session, identified, tmp_path):
-    armodal.report(session, identified, tmp_path / "report.html")
+    first = {"frfs": identified.frfs[:1], "modal_models": identified.modal_models[:1]}
+    armodal.report(session, replace(identified, **first), tmp_path / "report.html")
     assert "<html" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 

@@ -99,6 +99,7 @@ def test_every_file_a_package_reads_is_in_the_wheel(wheel):
         assert wanted - set(archive.namelist()) == set()
 
 
+@pytest.mark.long
 def test_it_runs_from_another_folder_and_writes_nothing_where_it_is_installed(installed, tmp_path):
     python, package = installed
     before = sorted(package.rglob("*"))

@@ -17,11 +17,30 @@ import armodal.daq
 from armodal.protocols.session.compare import first_difference
 from armodal.protocols.session.journal import decode_journal
 
-SMALL = len(KINDS)
+QUICK = {
+    "removed",
+    "replaced_by_a_link",
+    "cut",
+    "folder_moved",
+    "lock_removed",
+    "permission withdrawn",
+    "full",
+    "late errors, told at every sync",
+    "host stops for 30 s",
+    "board-reboot",
+    "clock-jump",
+    "missing calibration",
+}
 COARSE_S = 0.01  # a step of the laboratory: half the time of its finer ones
 
 
-@pytest.mark.parametrize("seed", range(SMALL), ids=KINDS)
+def seeds():
+    """Each kind of disturbance once; in the quick tests those whose answers differ."""
+    for seed, kind in enumerate(KINDS):
+        yield pytest.param(seed, id=kind, marks=() if kind in QUICK else pytest.mark.long)
+
+
+@pytest.mark.parametrize("seed", [*seeds()])
 def test_no_announced_hit_is_lost(seed):
     found = disturbed_session(seed, step_s=COARSE_S)
     assert (found.lost, found.wrong) == ([], "")
@@ -43,6 +62,7 @@ def test_no_clock_of_the_wall_decides_anything():
     ]
 
 
+@pytest.mark.long
 def test_a_session_is_the_same_whatever_the_clock_on_the_wall_does(monkeypatch):
     """Set back and forth at every look at it, or stopped as in a leap second."""
     coarse = partial(VirtualLab, step_s=COARSE_S)

@@ -52,30 +52,32 @@ def folder():
         yield Path(folder)
 
 
-def some(points, seen=None):
-    """Thirty points, each as likely as any other; all of them at once may take gigabytes."""
+def some(points, most, seen=None):
+    """So many points, each as likely as any other; all of them at once may take gigabytes."""
     rng, kept = np.random.default_rng(5), []
     for number, point in enumerate(points):
         if seen is not None:
             seen.add(len(point[2]))
-        if number < 30:
+        if number < most:
             kept.append(point)
-        elif (at := rng.integers(number + 1)) < 30:
+        elif (at := rng.integers(number + 1)) < most:
             kept[at] = point
     return kept
 
 
-def test_a_kill_at_any_change_loses_no_accepted_hit(record, folder):
+@pytest.mark.parametrize("most", [10, pytest.param(30, marks=pytest.mark.long)])
+def test_a_kill_at_any_change_loses_no_accepted_hit(record, folder, most):
     seen = set()
     points = kill_points(record(RecordingDisk()), np.random.default_rng(1), places=6)
-    for where, files, announced in some(points, seen):
+    for where, files, announced in some(points, most, seen):
         assert wrong_after_stop(files, announced, folder, NAME) is None, where
     assert seen == set(range(HITS + 1))
 
 
-def test_a_power_cut_with_reordered_sectors_loses_no_accepted_hit(record, folder):
+@pytest.mark.parametrize("most", [10, pytest.param(30, marks=pytest.mark.long)])
+def test_a_power_cut_with_reordered_sectors_loses_no_accepted_hit(record, folder, most):
     points = power_cuts(record(RecordingDisk()), np.random.default_rng(2), each=6)
-    for where, files, announced in some(points):
+    for where, files, announced in some(points, most):
         assert wrong_after_stop(files, announced, folder, NAME) is None, where
 
 
@@ -191,6 +193,7 @@ def acquiring(lab, fakes):
     process.join()
 
 
+@pytest.mark.long
 def test_a_killed_process_leaves_its_hits_and_a_lock_that_stops_nobody(acquiring, lab, fakes):
     process, _, hit = acquiring
     process.kill()

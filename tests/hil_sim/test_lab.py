@@ -47,41 +47,6 @@ CONFIGURATION = Configuration(
 )
 
 
-def test_a_hit_goes_from_the_operator_through_the_board_to_the_host(start_known_laboratory):
-    running = start_known_laboratory()
-    board, operator = running.board(), running.operator()
-    board.ask(FrameType.HELLO)
-    for kind, payload in (
-        (FrameType.CONFIGURE, encode_payload(CONFIGURATION)),
-        (FrameType.START, b""),
-    ):
-        assert decode_reply(board.ask(kind, payload).payload)[0] is ReplyCode.OK
-    assert operator.ask(do="posture", name="p", joints_deg=[20, 0, 0, 0, 0, 0])["done"]
-    assert operator.ask(do="mount", point="3")["done"]
-    assert operator.ask(do="hit", point="1", direction=[0, 0, -1])["done"]
-    board.until(lambda: board.of(FrameType.BLOCK_READY))
-    info = decode_payload(BlockInfo, board.of(FrameType.BLOCK_READY)[0].payload)
-    # 2048 samples are 32 frames.
-    board.until(lambda: len(board.of(FrameType.BLOCK_DATA)) == 32)
-    counts = np.concatenate([decode_samples(f).counts for f in board.of(FrameType.BLOCK_DATA)])
-    np.testing.assert_array_equal(counts[:, 1:], ramp(info.first_sample, 2048))
-    assert (
-        decode_reply(board.ask(FrameType.RELEASE, encode_payload(Release(block_id=1))).payload)[0]
-        is ReplyCode.OK
-    )
-    running.laboratory.close()
-    assert not running.laboratory.alive
-    assert not running.laboratory.operator.exists()
-    running.laboratory.close()
-    record = read_ledger(running.laboratory.ledger)
-    (hit,) = record.of("hit")
-    # The trigger is the first sample beyond a tenth of the half sine of 20 samples.
-    assert info.trigger_sample == int(np.ceil(hit["at_sample"] + 20 * np.arcsin(0.1) / np.pi))
-    assert hit["sensor_point"] == "3"
-    (end,) = record.of("end")
-    assert end["can_transmissions"] == 0
-
-
 def test_device_clock_and_lab_clock_differ_by_the_ppm(known_laboratory):
     board = known_laboratory.board()
     board.ask(FrameType.HELLO)
@@ -122,6 +87,42 @@ def test_directory_and_socket_are_private(known_laboratory):
     assert stat.S_IMODE(laboratory.operator.stat().st_mode) == 0o600
 
 
+def test_a_hit_goes_from_the_operator_through_the_board_to_the_host(known_laboratory):
+    """The last that is done with it: it is ended here."""
+    running = known_laboratory
+    board, operator = running.board(), running.operator()
+    board.ask(FrameType.HELLO)
+    for kind, payload in (
+        (FrameType.CONFIGURE, encode_payload(CONFIGURATION)),
+        (FrameType.START, b""),
+    ):
+        assert decode_reply(board.ask(kind, payload).payload)[0] is ReplyCode.OK
+    assert operator.ask(do="posture", name="p", joints_deg=[20, 0, 0, 0, 0, 0])["done"]
+    assert operator.ask(do="mount", point="3")["done"]
+    assert operator.ask(do="hit", point="1", direction=[0, 0, -1])["done"]
+    board.until(lambda: board.of(FrameType.BLOCK_READY))
+    info = decode_payload(BlockInfo, board.of(FrameType.BLOCK_READY)[0].payload)
+    # 2048 samples are 32 frames.
+    board.until(lambda: len(board.of(FrameType.BLOCK_DATA)) == 32)
+    counts = np.concatenate([decode_samples(f).counts for f in board.of(FrameType.BLOCK_DATA)])
+    np.testing.assert_array_equal(counts[:, 1:], ramp(info.first_sample, 2048))
+    assert (
+        decode_reply(board.ask(FrameType.RELEASE, encode_payload(Release(block_id=1))).payload)[0]
+        is ReplyCode.OK
+    )
+    running.laboratory.close()
+    assert not running.laboratory.alive
+    assert not running.laboratory.operator.exists()
+    running.laboratory.close()
+    record = read_ledger(running.laboratory.ledger)
+    (hit,) = record.of("hit")
+    # The trigger is the first sample beyond a tenth of the half sine of 20 samples.
+    assert info.trigger_sample == int(np.ceil(hit["at_sample"] + 20 * np.arcsin(0.1) / np.pi))
+    assert hit["sensor_point"] == "3"
+    (end,) = record.of("end")
+    assert end["can_transmissions"] == 0
+
+
 def test_the_laboratory_ends_when_its_parent_dies(tmp_path):
     script = Path(synthetic_laboratory.__file__)
     parent = (
@@ -139,6 +140,7 @@ def test_the_laboratory_ends_when_its_parent_dies(tmp_path):
     assert not (tmp_path / "lab" / "operator.sock").exists()
 
 
+@pytest.mark.long
 def test_a_laboratory_that_is_being_made_ends_with_its_parent(tmp_path):
     making = (
         "import sys, threading; import armodal.hil_sim.__main__ as program\n"
@@ -159,6 +161,7 @@ def _runs(pid):
     return not status.exists() or status.read_text().rsplit(")", 1)[1].split()[0] != "Z"
 
 
+@pytest.mark.long
 def test_sigterm_ends_the_laboratory_cleanly(start_known_laboratory):
     laboratory = start_known_laboratory().laboratory
     os.kill(laboratory.pid, signal.SIGTERM)

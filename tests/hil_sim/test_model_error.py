@@ -44,8 +44,8 @@ def monkeypatch_module():
         yield patch
 
 
-@pytest.fixture(scope="module")
-def errors(monkeypatch_module):
+@pytest.fixture(scope="module", params=[SEEDS // 4, pytest.param(SEEDS, marks=pytest.mark.long)])
+def errors(monkeypatch_module, request):
     """Every deviation from the arm file, over its own standard deviation where that is a link's."""
     # The pattern of every plant is one file: read once, not once a seed.
     monkeypatch_module.setattr(plant_of_arm, "load_plant", cache(load_plant))
@@ -55,7 +55,7 @@ def errors(monkeypatch_module):
     c = [j.damping.value if j.damping else None for j in joints]
     believed = plant_file_of_arm(study.arm, k, c, peak_n=study.peak_n).model_dump()
     found = {name: [] for name in FIGURES}
-    for seed in range(SEEDS):
+    for seed in range(request.param):
         tables = erring_plant_tables(study, seed)
         for true, file in zip(tables["links"], believed["links"], strict=True):
             if file["stiffness_n_m_per_rad"] is not None:

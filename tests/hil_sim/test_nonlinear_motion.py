@@ -72,7 +72,7 @@ def test_dry_friction_takes_four_limits_over_stiffness_from_every_cycle():
 @pytest.mark.parametrize(
     "element",
     [
-        Softening(row=ROW, soft=0.4 * K, at=5e-4),
+        pytest.param(Softening(row=ROW, soft=0.4 * K, at=5e-4), marks=pytest.mark.long),
         pytest.param(Gap(row=ROW, k=K, half=2e-4, load=0.0), marks=pytest.mark.long),
         Gap(row=ROW, k=K, half=2e-4, load=0.7),
         pytest.param(Gap(row=ROW, k=K, half=2e-4, load=-0.7), marks=pytest.mark.long),

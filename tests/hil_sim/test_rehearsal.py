@@ -5,11 +5,15 @@ import os
 import signal
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from support.chain_arm import chain_arm
+from support.quick import few_quick
 
+from armodal.hil_sim import __main__ as program
+from armodal.hil_sim import lab
 from armodal.hil_sim.controller import ENCODER_NOISE_RAD, ENCODER_STEP_RAD
 from armodal.hil_sim.joint_messages import JointMessages
 from armodal.hil_sim.lab import launch, start_laboratory
@@ -27,7 +31,7 @@ from armodal.protocols.slcan import CanFrame, SlcanParser
 EVERY = [*range(1, 10)]
 
 
-@pytest.mark.parametrize("n", EVERY)
+@pytest.mark.parametrize("n", few_quick(EVERY, 1, 6, 9))
 def test_an_arm_of_one_to_nine_joints_is_drawn_and_differs_from_its_file(n):
     arm = with_generic_can(chain_arm(n))
     plant, effects = draw_plant(Rehearsal(arm=arm), seed=1)
@@ -74,7 +78,7 @@ def test_another_arm_by_a_shipped_name_is_drawn_by_itself():
     assert draw_plant(Rehearsal(arm=other), seed=1)[0].truth.links[0].name == "link 1"
 
 
-@pytest.mark.parametrize("n", EVERY)
+@pytest.mark.parametrize("n", few_quick(EVERY, 1, 6, 9))
 def test_the_laboratorys_plan_lies_in_the_ranges_and_every_spring_answers(n):
     arm = chain_arm(n)
     plan = rehearsal_plan(arm)
@@ -241,3 +245,27 @@ def test_a_laboratory_that_is_killed_is_no_fault_of_the_simulation(tmp_path):
         os.kill(laboratory.pid, signal.SIGKILL)
         with pytest.raises(DeviceLostError, match="ended from outside by signal 9"):
             laboratory.wait()
+
+
+def test_a_laboratory_of_any_arm_is_asked_for_by_a_file_and_told_its_faults(tmp_path, monkeypatch):
+    """Without its process: what it is begun with, and what it makes of that."""
+    monkeypatch.setattr(lab, "launch", lambda command, *, temporary: command)
+    rehearsal = Rehearsal(arm=load_arm("ur5"))
+    faults = ("board-silence", "can-silence")
+    command = start_laboratory(rehearsal, seed=4, directory=tmp_path / "lab", faults=faults)
+    made = []
+
+    def run(laboratory, *, watch_stdin):
+        made.append(laboratory)
+        laboratory.close()
+
+    monkeypatch.setattr(program, "run", run)
+    arguments = [word for word in command[3:] if word != "--watch-stdin"]
+    assert program.parse(arguments).fault == list(faults)
+    assert program.main(arguments) == 0
+    (laboratory,) = made
+    ledger = laboratory.ready()["ledger"]
+    names = [joint.name for joint in read_ledger(ledger).truth.joints]
+    # Those that give way: of the last one the file has no stiffness.
+    assert names == [joint.name for joint in rehearsal.arm.joints if joint.stiffness is not None]
+    assert not Path(ledger).read_text(encoding="utf-8").startswith("{")  # it is sealed

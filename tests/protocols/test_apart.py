@@ -35,7 +35,10 @@ def test_a_refusal_is_raised_as_it_was():
         done("refuses")
 
 
-@pytest.mark.parametrize("name", ["takes_memory", "takes_time", "crashes", "fails"])
+@pytest.mark.parametrize(
+    "name",
+    ["takes_memory", pytest.param("takes_time", marks=pytest.mark.long), "crashes", "fails"],
+)
 @pytest.mark.skipif(sys.platform != "linux", reason="bounds a process as Linux does")
 def test_what_takes_too_much_or_crashes_is_refused(name):
     with pytest.raises(ArmError, match=r"a\.xml: wanted a file that is read within 1 s"):

@@ -79,6 +79,7 @@ def test_curves_are_kept_and_not_judged_twice(tmp_path, monkeypatch):
     assert row["k_range"] is None
 
 
+@pytest.mark.long
 def test_a_curve_of_another_truth_or_of_none_is_judged_again(tmp_path, monkeypatch):
     monkeypatch.setattr(armodal.study.cases, "sealed", small)
     spec = CaseSpec(number=3, arm="ur5", seed=12, kinds=("delay",), magnitude="clear")

@@ -20,9 +20,13 @@ def start_of(hypothesis):
     return without_errors(space.values(space.start()))
 
 
-def at_both_ends(instances):
-    """Of every effect its first and its last place along the arm."""
+FIRST, OTHERS = "first places", "last places"
+
+
+def at_end(instances, end):
+    """Of every effect its first place along the arm, or its last where it has several."""
     places = {}
     for instance in instances:
         places.setdefault(instance.effect.name, []).append(instance)
-    return [each for own in places.values() for each in (own[0], *own[1:][-1:])]
+    ends = (own[:1] if end == FIRST else own[1:][-1:] for own in places.values())
+    return [each for own in ends for each in own]

@@ -35,6 +35,9 @@ SLOW_TO_READ = {
     "many_tables", "many_keys", "many_messages", "zeros_that_are_measurements",
     "bytes_that_matlab_calls_doubles", "four_thousand_columns", "copies_of_copies",
     "a_grid_of_millions", "keys_unknown",
+    # A quarter of a second or more, as those.
+    "many_numbers", "two_thousand_signals", "many_links", "eight_bytes_each_from_one",
+    "rows_of_two_digits", "a_text_of_a_gigabyte", "a_long_number",
 }  # fmt: skip
 
 # What a bomb is called: the decoders it is for, its file's ending, and what writes it.

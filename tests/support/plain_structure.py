@@ -1,7 +1,6 @@
 """A plain plate as a session of given FRFs, with or without places of its points."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 from support.drifting import TWO_HZ, drifting
@@ -65,7 +64,6 @@ def plate_session(folder, *, places=True, n_points=6):
     return with_variances(run(manifest(folder, posture(["plate.uff"]))))
 
 
-@cache
 def moving_fit():
     """FRFs at eight points whose resonances a sensor's mass moves, and their modes: seconds."""
     made = drifting(np.random.default_rng(1), 2.0, nominal_hz=TWO_HZ)

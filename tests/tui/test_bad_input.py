@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 import pytest
+from support.acquired_here import start_here
 from support.command import armodal
 from support.fault_runs import run_seed
 
@@ -20,11 +21,18 @@ from armodal.protocols.plan import PLANS_DIRECTORY, load_plan
 from armodal.protocols.session.hdf5 import read_session, write_session
 from armodal.protocols.session.journal import read_journal
 from armodal.protocols.session.recovery import rebuild
+from armodal.tui import operators
 from armodal.tui.commands import acquire as acquire_command
 from armodal.tui.operators import ScriptedOperator, acquire
 
 pytestmark = pytest.mark.usefixtures("real_time")
 TIME_SCALE = 8.0
+
+
+@pytest.fixture
+def acquiring_here(monkeypatch):
+    """What is refused is refused without a process of its own, too."""
+    monkeypatch.setattr(operators, "start_process", start_here)
 
 
 def is_one_message(said, *words):
@@ -138,7 +146,7 @@ def acquired(laboratory, plan, journal):
     ("fault", "word"),
     [
         pytest.param("board-garbage", "board", marks=pytest.mark.long),
-        ("board-silence", "board"),
+        pytest.param("board-silence", "board", marks=pytest.mark.long),
         pytest.param("can-silence", "", marks=pytest.mark.long),
     ],
 )
@@ -225,6 +233,7 @@ def test_a_posture_outside_its_joint_s_range_is_refused(small_plan, tmp_path):
         (["--by-hand", "0.6"], ["is closer than the 0.6 deg", "larger tolerance_deg"]),
     ],
 )
+@pytest.mark.usefixtures("acquiring_here")
 def test_joint_angles_of_no_source_or_two_are_refused(given, words, small_plan, tmp_path):
     journal = tmp_path / "j"
     said = armodal("acquire", small_plan, "--board", "none", *given, "--journal", journal)
@@ -238,12 +247,14 @@ def test_two_boards_in_a_session_are_refused(small_plan, tmp_path):
     is_one_message(said, "wanted one --board, got a, b", "two clocks")
 
 
+@pytest.mark.usefixtures("acquiring_here")
 def test_an_arm_without_a_bus_is_told_how_it_goes(tmp_path):
     devices = ["--board", "none", "--can", "none", "--journal", tmp_path / "j"]
     said = armodal("acquire", "ur5-five-postures", "--arm", "ur5", *devices)
     is_one_message(said, "arm ur5 has no [can] section", "--by-hand")
 
 
+@pytest.mark.usefixtures("acquiring_here")
 def test_a_session_by_another_plan_is_not_gone_on_with(session_files, small_plan, tmp_path):
     journal = tmp_path / "s.journal"
     shutil.copy(session_files[0], journal)

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.acquired_here import start_here
 from support.at_the_end import at_the_end
 from support.command import armodal
 from typer.testing import CliRunner
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.plan import load_plan
 from armodal.protocols.session.hdf5 import read_session
-from armodal.tui import commands
+from armodal.tui import commands, operators
 from armodal.tui.cli import app, command_modules
 
 SMALL_PLAN = """
@@ -138,7 +139,8 @@ def test_a_wrong_port_is_one_message_and_exit_code_2(tmp_path):
     assert "Traceback" not in said.stderr
 
 
-def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path, real_time):
+def test_a_small_session_runs_from_hits_to_a_session_file(tmp_path, real_time, monkeypatch):
+    monkeypatch.setattr(operators, "start_process", start_here)
     plan = tmp_path / "small.toml"
     plan.write_text(SMALL_PLAN)
     # At 8 lab seconds a second the session takes a few seconds.

@@ -9,6 +9,8 @@ import h5py
 import numpy as np
 import pytest
 from support.command import armodal
+from support.plain_structure import plate_session
+from support.quick import every_but
 
 from armodal import save_session
 from armodal.protocols.arm.files import ARMS_DIRECTORY
@@ -93,7 +95,7 @@ FILES = {
 }
 
 
-@pytest.mark.parametrize("kind", FILES)
+@pytest.mark.parametrize("kind", every_but(FILES, "plant"))  # its laboratory is a process
 def test_names_in_files_of_every_kind_are_written_out(kind, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     name, write, commands = FILES[kind]
@@ -111,11 +113,19 @@ def test_names_in_files_of_every_kind_are_written_out(kind, tmp_path, monkeypatc
         assert "Traceback" not in told
 
 
-def test_words_in_a_session_are_written_out(session, tmp_path):
-    """Of two postures, one of them for validation: what is said of more is said the same way."""
-    path, page = tmp_path / "s.h5", tmp_path / "s.html"
+def few_postures(session):
+    """Two postures, one of them for validation: what is said of more is said the same way."""
     few = (session.header.plan.postures[0].name, session.header.plan.postures[-1].name)
-    session = replace(session, hits=tuple(hit for hit in session.hits if hit.posture in few))
+    return replace(session, hits=tuple(hit for hit in session.hits if hit.posture in few))
+
+
+@pytest.mark.parametrize("of", ["plate", pytest.param("arm", marks=pytest.mark.long)])
+def test_words_in_a_session_are_written_out(of, request, tmp_path):
+    path, page = tmp_path / "s.h5", tmp_path / "s.html"
+    if of == "plate":
+        session = plate_session(tmp_path)
+    else:
+        session = few_postures(request.getfixturevalue("session"))
     header = replace(session.header, measured_by=LINES)
     save_session(replace(session, header=header, warnings=(LINES,)), path)
     for command in (("fit", path), ("check", "session", path), ("report", path, "--out", page)):

@@ -93,7 +93,10 @@ def test_the_largest_eigenvalue_of_the_usual_mill_is_the_published_one(depth_mm,
 
 @pytest.mark.parametrize(
     ("changes", "apart"),
-    [({"teeth": 4}, 0.01), ({"teeth": 4, "immersion": 0.5, "down": False}, 0.05)],
+    [
+        pytest.param({"teeth": 4}, 0.01, marks=pytest.mark.long),
+        ({"teeth": 4, "immersion": 0.5, "down": False}, 0.05),
+    ],
 )
 def test_lobes_are_those_of_the_delayed_equations(changes, apart):
     """Of an even cut exactly; of an interrupted one as far as the mean of its forces tells."""

@@ -9,6 +9,7 @@ from support.plain_arm import (
     potential_energy_j,
     second_difference,
 )
+from support.quick import every_nth
 
 from armodal.analyzer.arm import Axis, Structure, reduce_model
 from armodal.hil_sim.newton_euler import gravity_stiffness as plant_gravity_stiffness
@@ -58,8 +59,8 @@ def test_mass_matrix_is_that_of_file_002_with_one_more_hinge(arm, superset, q, l
     np.testing.assert_allclose(M, mass_matrix(arm, q, [line(axis)]), atol=1e-12 * M.max())
 
 
-@pytest.mark.parametrize("q", POSTURES)
-@pytest.mark.parametrize("link", [0, 1])
+@pytest.mark.parametrize("q", every_nth(POSTURES, 2))
+@pytest.mark.parametrize("link", [pytest.param(0, marks=pytest.mark.long), 1])
 def test_gravity_stiffness_is_the_curvature_of_the_potential_energy(arm, superset, q, link):
     axis = some_axis(link)
 

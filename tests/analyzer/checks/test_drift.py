@@ -1,14 +1,14 @@
 """Modes that move are told by the check of a session."""
 
-from support.plain_structure import moving_fit, plate_session
+from support.plain_structure import plate_session
 
 from armodal.analyzer.checks import Outcome
 from armodal.analyzer.checks.drift import drift_finding
 from armodal.analyzer.modal import drift_told, fit_modes
 
 
-def test_what_moves_is_told_with_its_points_and_is_no_fault():
-    _, model = moving_fit()
+def test_what_moves_is_told_with_its_points_and_is_no_fault(moving):
+    _, model = moving
     found = drift_finding("p", model)
     assert found.outcome is Outcome.TO_KNOW
     assert found.fault is None

@@ -70,7 +70,7 @@ def faulty(fault, points):
 @pytest.mark.parametrize(
     ("fault", "points"),
     [
-        (Fault.AXIS_SWAPPED, ("6",)),
+        pytest.param(Fault.AXIS_SWAPPED, ("6",), marks=pytest.mark.long),
         pytest.param(Fault.GAIN, ("6",), marks=pytest.mark.long),
         pytest.param(Fault.SIGN_FLIPPED, None, marks=pytest.mark.long),
         pytest.param(Fault.SIGN_FLIPPED, ("6",), marks=pytest.mark.long),

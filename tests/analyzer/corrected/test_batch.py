@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.added import added, any_of, axis, with_effects
+from support.quick import few_quick
 
 from armodal.analyzer.corrected.batch import batched
 from armodal.analyzer.corrected.chain import chain_of
@@ -52,7 +53,7 @@ EFFECTS = {name: (effect,) for name, effect in BY_NAME.items()} | {
 }
 
 
-@pytest.mark.parametrize("kind", EFFECTS)
+@pytest.mark.parametrize("kind", few_quick(EFFECTS, "base", "encoder_offset", "servo", "three"))
 def test_matrices_are_those_of_one_posture(kind):
     arm = with_effects(ARM, *EFFECTS[kind])
     ready, correction = batched(arm), correction_of(arm)

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from support.bench_effects import at_both_ends, start_of
+from support.bench_effects import FIRST, OTHERS, at_end, start_of
 from support.gap_results import made_result
 
 from armodal.analyzer.arm.superset import Superset
@@ -19,10 +19,11 @@ from armodal.protocols.arm.files import arm_from_texts
 from armodal.protocols.arm.rewrite import text_with_effects
 
 
-def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary):
+@pytest.mark.parametrize("places", [FIRST, pytest.param(OTHERS, marks=pytest.mark.long)])
+def test_every_effect_of_the_library_comes_back_from_the_arm_file(ordinary, places):
     """Named, written as text, read: the same place, and a fit begins with the same values."""
     arm = ordinary.arm
-    for instance in at_both_ends(all_instances(ordinary)):
+    for instance in at_end(all_instances(ordinary), places):
         space = Hypothesis(ordinary=ordinary, instances=(instance,)).space()
         start = space.values(space.start())
         found = {n: 0.9 * start[n] + 0.02 for n in instance.owned}

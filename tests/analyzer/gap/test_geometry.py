@@ -8,7 +8,7 @@ from armodal.hil_sim.study import study_arm
 STEP_RAD = 1e-5
 
 
-@pytest.mark.parametrize("name", ["bench57", "ur5"])
+@pytest.mark.parametrize("name", ["bench57", pytest.param("ur5", marks=pytest.mark.long)])
 def test_slopes_are_those_of_the_geometry(name):
     superset = Superset(study_arm(name).arm)
     q = np.array([0.3, -0.8, 1.1, 0.4, -0.6, 0.9])

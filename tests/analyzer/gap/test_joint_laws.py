@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import integrate
+from support.quick import few_quick
 from support.small_case import SmallCase, small_case
 
 from armodal.analyzer.arm.superset import Superset
@@ -82,10 +83,13 @@ def made(kind, mass, k, c, force):
 @pytest.mark.parametrize(
     "element",
     [
-        Play(stiffness=np.array([900.0]), half=np.array([1e-3]), rest=np.zeros(1)),
+        pytest.param(
+            Play(stiffness=np.array([900.0]), half=np.array([1e-3]), rest=np.zeros(1)),
+            marks=pytest.mark.long,
+        ),
         Play(stiffness=np.array([600.0]), half=np.array([1e-3]), rest=np.array([5e-4])),
         Bent(part=np.array([-600.0]), bend=np.array([2e-3])),
-        Bent(part=np.array([4000.0]), bend=np.array([9e-3])),
+        pytest.param(Bent(part=np.array([4000.0]), bend=np.array([9e-3])), marks=pytest.mark.long),
     ],
 )
 def test_a_joint_followed_in_time_is_where_an_integrator_says(element):
@@ -165,7 +169,7 @@ def answers(stage, hypothesis, values):
     ]
 
 
-@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize("kind", few_quick(LAWS, friction, softening))
 def test_a_law_of_no_size_changes_nothing(kind, arm):
     stage, plain, values, swings = arm
     hypothesis = with_law(plain, kind, "joint_2", swings)

@@ -130,6 +130,7 @@ def test_hits_elsewhere_foretell_what_the_session_s_own_point_would_not(known, s
     assert by_other != pytest.approx(by_own, rel=1e-3)
 
 
+@pytest.mark.long
 def test_tests_weighed_at_once_are_as_good_as_each_alone(known, servo):
     """All kinds there are; with brakes or not, with a point more or not, many of a kind."""
     stage, null = known

@@ -24,7 +24,7 @@ def fading(*, told):
     return replace(frf, values=values, variance=variance), last
 
 
-@pytest.mark.parametrize("told", [True, False])
+@pytest.mark.parametrize("told", [pytest.param(True, marks=pytest.mark.long), False])
 def test_the_band_ends_where_noise_is_as_large_as_the_frfs(told):
     frf, last = fading(told=told)
     low, high = carried_band(frf)

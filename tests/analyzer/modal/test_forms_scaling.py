@@ -187,7 +187,7 @@ def test_a_misfit_within_two_lines_of_a_sharp_mode_is_that_mode_s(lines_off, is_
 
 
 @pytest.mark.parametrize(
-    "seed", [0, 1, *(pytest.param(i, marks=pytest.mark.long) for i in range(2, 6))]
+    "seed", [0, *(pytest.param(i, marks=pytest.mark.long) for i in range(1, 6))]
 )
 def test_a_misfit_that_rises_to_the_band_s_edge_is_no_missing_mode(seed):
     made = eight_modes(np.random.default_rng(seed))
@@ -231,6 +231,7 @@ def test_amplitude_at_every_resonance_survives_the_round_trip_from_hits():
         assert scaling.modal_mass_kg == pytest.approx(1.0 / np.max(np.abs(true)) ** 2, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_roving_hammer_gives_the_same_masses():
     rng = np.random.default_rng(9)
     shapes = unit_mass_shapes(rng, 1)

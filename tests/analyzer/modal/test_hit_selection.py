@@ -29,7 +29,7 @@ def line_errors(rng, n, size=0.02):
     return size * np.abs(frf()) * (noise[0] + 1j * noise[1])
 
 
-@pytest.mark.parametrize("n", [5, pytest.param(6, marks=pytest.mark.long), 8])
+@pytest.mark.parametrize("n", [5, *(pytest.param(n, marks=pytest.mark.long) for n in (6, 8))])
 @pytest.mark.parametrize("errors", [aim_errors, line_errors])
 def test_good_hits_are_seldom_called_unlike(n, errors):
     rng = np.random.default_rng(1)
@@ -83,6 +83,7 @@ def test_surplus_hits_are_the_farthest_from_the_mean():
     assert {d.hit: d.reason for d in selection.dropped} == {2: "surplus", 3: "surplus"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("n", "keep"), [(5, 4), *(pytest.param(n, 3, marks=pytest.mark.long) for n in (4, 6))]
 )

@@ -89,6 +89,7 @@ def test_intervals_cover_without_a_diagonal():
     assert all(0.90 <= share <= 0.99 for share in shares), shares
 
 
+@pytest.mark.long
 def test_a_matrix_without_its_diagonal_counts_six_frfs_not_nine():
     told = [
         fit_modes(several_references(np.random.default_rng(seed), **NO_DIAGONAL).frf).lack_of_fit
@@ -131,6 +132,7 @@ def test_the_model_tells_an_frf_that_was_not_measured():
     assert np.all(np.abs(told[0, 0] - true) < 0.05 * np.abs(true).max())
 
 
+@pytest.mark.long
 def test_a_roving_hammer_may_leave_out_driving_points():
     made = several_references(np.random.default_rng(3))
     frf = made.frf

@@ -131,13 +131,17 @@ def test_minutes_are_those_of_postures_mountings_and_hits(draft, made):
     assert made.minutes == pytest.approx(3.0 * len(plan.postures) + 1.75 * points)
 
 
-def test_the_last_of_four_tests_is_for_validation_and_none_of_three(draft, made):
+def test_the_last_of_four_tests_is_for_validation(draft, made):
     plan = plan_from_text(made.text, draft.arm)
     held_out = [posture.validation for posture in plan.postures]
     assert held_out[-1]
     assert not any(held_out[:-1])
     # What is told of k after it is told by the others alone.
     assert len(made.plan.expected_std) == len(plan.postures) - 1 >= made.plan.n_needed
+
+
+@pytest.mark.long
+def test_none_of_three_tests_is_for_validation(draft):
     three = planned(draft, n_tests=3)
     assert not any(p.validation for p in plan_from_text(three.text, draft.arm).postures)
 

@@ -61,7 +61,9 @@ def plain(tmp_path_factory):
     return folder / "report.html"
 
 
-EVERY_KIND = pytest.mark.parametrize("of", ["path", "without_gap", "plain"])
+EVERY_KIND = pytest.mark.parametrize(
+    "of", ["path", pytest.param("without_gap", marks=pytest.mark.long), "plain"]
+)
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +98,10 @@ def shared(session, identified, tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize(("of", "label"), [("path", "see it move"), ("shared", "zoom into")])
+@pytest.mark.parametrize(
+    ("of", "label"),
+    [("path", "see it move"), pytest.param("shared", "zoom into", marks=pytest.mark.long)],
+)
 def test_a_figure_opens_without_a_word_of_complaint(page, of, label, request):
     path = request.getfixturevalue(of)
     page.problems.clear()

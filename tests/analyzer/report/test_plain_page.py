@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from markupsafe import escape
-from support.plain_structure import F_HZ, moving_fit, plate_session
+from support.plain_structure import F_HZ, plate_session
 
 from armodal.analyzer.modal import drift_told, fit_modes
 from armodal.analyzer.report import write_plain_report
@@ -34,8 +34,8 @@ def model(plate):
 
 
 @pytest.fixture(scope="module")
-def moved(plate):
-    frf, model = moving_fit()
+def moved(plate, moving):
+    frf, model = moving
     return replace(plate, frfs=(frf,)), model
 
 

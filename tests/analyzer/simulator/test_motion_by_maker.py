@@ -15,6 +15,7 @@ pytestmark = pytest.mark.usefixtures("not_apart")
 COMPLIANCE, LOSS = 1e-5, 1e-4
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("true", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_a_true_effect_closes_the_gap_on_a_far_move_and_a_null_s_opens_it(true, tmp_path):
     ideal = Ideal("ur10e")

@@ -20,7 +20,7 @@ STEP_S = 4e-4  # no step is taken
 
 
 @pytest.mark.parametrize("name", ARMS)
-@pytest.mark.parametrize("posture", [0, 2])
+@pytest.mark.parametrize("posture", [pytest.param(0, marks=pytest.mark.long), 2])
 def test_rigid_frame_has_mujocos_frequencies_under_gravity(ideal, name, posture):
     """Soft drives, so that gravity is some percent of their stiffness.
 

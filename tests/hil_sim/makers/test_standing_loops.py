@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support.quick import few_quick
 
 from armodal.hil_sim.makers.frame.effects import servo
 from armodal.hil_sim.streams import stream
@@ -11,7 +12,7 @@ from armodal.hil_sim.streams import stream
 GEAR = 4e4  # N m/rad
 
 
-@pytest.mark.parametrize("size", [0.05, 0.5, 4.0])
+@pytest.mark.parametrize("size", few_quick([0.05, 0.5, 4.0], 0.05, 4.0))
 def test_its_rotor_on_gear_and_loop_comes_to_rest(size):
     """No zero to the right of the axis: along it the argument turns by +180 degrees (Nyquist)."""
     for number in range(100):

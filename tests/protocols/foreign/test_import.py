@@ -204,7 +204,7 @@ def _save(folder, kind, t, force, responses):
 
 
 @pytest.mark.parametrize("kind", ["npy", "npz", "mat", "csv", "uff"])
-@pytest.mark.parametrize("channels", [1, 3])
+@pytest.mark.parametrize("channels", [pytest.param(1, marks=pytest.mark.long), 3])
 def test_a_hit_comes_back_from_every_format(tmp_path, kind, channels):
     t, force, responses = hit_signals(channels=channels)
     path = _save(tmp_path, kind, t, force, responses)

@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 from support.motion_bags import WRITERS, mcap_cdr
+from support.quick import few_quick
 
 from armodal.protocols.errors import ForeignFileError, MissingPackageError
 from armodal.protocols.foreign.read_motion import read_motion_log
@@ -44,7 +45,7 @@ def in_ns(t):
     return BEGUN_NS + np.round(1e9 * t).astype(np.int64)
 
 
-@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("kind", few_quick(WRITERS, "rosbag 2", "MCAP with JSON"))
 def test_angles_and_accelerations_come_back_on_one_even_clock(arm, not_apart, tmp_path, kind):
     log = read_motion_log(WRITERS[kind](tmp_path / "log", topics(arm)), arm)
     assert log.rate_hz == pytest.approx(1000.0, rel=1e-6)
@@ -139,7 +140,7 @@ def test_logs_of_different_times_and_other_units_are_told(arm, not_apart, tmp_pa
     assert "gravity in g" in said
 
 
-@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("kind", few_quick(WRITERS, "rosbag 1", "MCAP with CDR"))
 @pytest.mark.parametrize(
     "part", [0.5, *(pytest.param(p, marks=pytest.mark.long) for p in (0.0, 0.1))]
 )

@@ -5,6 +5,7 @@ import importlib.util
 import numpy as np
 import pytest
 from support.manifests import manifest, posture, run
+from support.quick import few_quick
 from support.recordings import (
     DOUBLE,
     PEAKS_N,
@@ -41,7 +42,7 @@ def frf_of(session):
     return frf
 
 
-@pytest.mark.parametrize("kind", sorted(WRITERS))
+@pytest.mark.parametrize("kind", few_quick(sorted(WRITERS), "csv", "h5"))
 def test_a_recording_of_any_program_is_cut_into_hits(tmp_path, kind):
     if kind == "tdms" and importlib.util.find_spec("nptdms") is None:
         pytest.skip("npTDMS is an extra")

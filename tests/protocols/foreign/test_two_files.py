@@ -1,6 +1,7 @@
 """The force in one file, its responses in another."""
 
 import io
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -89,8 +90,14 @@ def scaled(kind, other):
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("other", KINDS)
+def pairs():
+    """Each format with each; in the quick tests each with itself and with the next one."""
+    for number, (other, kind) in enumerate(product(KINDS, KINDS)):
+        beside = number % (len(KINDS) + 1) < 2
+        yield pytest.param(other, kind, marks=() if beside else pytest.mark.long)
+
+
+@pytest.mark.parametrize(("other", "kind"), [*pairs()])
 def test_force_and_response_of_any_two_formats_are_one_hit(tmp_path, kind, other):
     response, force = two(tmp_path, kind, other)
     told = scaled(kind, other)

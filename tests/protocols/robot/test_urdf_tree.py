@@ -98,8 +98,10 @@ def test_xacro_is_expanded_with_its_packages_and_arguments(tmp_path):
     "inside",
     [
         "${1/0}",
-        "<xacro:nothing/>",
-        '<xacro:include filename="$(find no_such_package)/a.xacro"/>',
+        pytest.param("<xacro:nothing/>", marks=pytest.mark.long),
+        pytest.param(
+            '<xacro:include filename="$(find no_such_package)/a.xacro"/>', marks=pytest.mark.long
+        ),
         "<unclosed>",
     ],
 )

@@ -50,7 +50,7 @@ def seeds(quick, in_all):
     return [*range(quick), *(pytest.param(n, marks=pytest.mark.long) for n in range(quick, in_all))]
 
 
-@pytest.mark.parametrize("seed", seeds(50, 150))
+@pytest.mark.parametrize("seed", seeds(12, 150))
 def test_every_whole_record_is_taken_in_its_order(records, seed):
     case = damaged(records, np.random.default_rng(seed))
     (journal,) = taken(salvage(InMemory(case.data)))
@@ -58,7 +58,7 @@ def test_every_whole_record_is_taken_in_its_order(records, seed):
     decode_journal(journal)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(10, 30))
 def test_without_its_header_a_journal_is_salvaged_by_anothers(header, records, seed):
     case = damaged(records, np.random.default_rng(seed), header_too=True)
     (journal,) = taken(salvage(InMemory(case.data), header=header))
@@ -71,7 +71,7 @@ def test_without_any_header_it_says_what_is_there_and_wants_another(records):
         salvage(InMemory(MAGIC + b"".join(records[1:])))
 
 
-@pytest.mark.parametrize("seed", seeds(16, 40))
+@pytest.mark.parametrize("seed", seeds(6, 40))
 def test_two_sessions_in_one_file_are_told_apart(header, make_hit, seed):
     """By the run of the board: a session that goes on after a stop starts it anew.
 
@@ -147,6 +147,7 @@ def within_bounds():
     resource.setrlimit(resource.RLIMIT_CPU, (10, 10))
 
 
+@pytest.mark.long
 def test_a_hole_costs_neither_memory_nor_long(example, tmp_path):
     """A sparse file of 2 GiB: three hits, a hole, one record."""
     path = tmp_path / "holed.journal"

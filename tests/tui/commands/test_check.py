@@ -1,9 +1,8 @@
 import json
 import re
-import subprocess
-import sys
 
 import pytest
+from support.command import armodal
 from typer.testing import CliRunner
 
 from armodal.hil_sim.lab import start_laboratory
@@ -83,12 +82,7 @@ def test_bad_rates_and_unknown_devices_are_refused(laboratory):
 
 def test_a_port_that_is_not_there_is_exit_code_2():
     assert isinstance(check("board", "/dev/armodal-none").exception, PortError)
-    done = subprocess.run(
-        [sys.executable, "-m", "armodal.tui.cli", "check", "board", "/dev/armodal-none"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = armodal("check", "board", "/dev/armodal-none")
     assert done.returncode == 2
     assert "no such device" in done.stderr.replace("\n", " ")
     assert done.stdout == ""

@@ -167,7 +167,7 @@ def test_matlab_files_come_back(tmp_path):
     assert np.array_equal(one.freq_hz, two.freq_hz)
 
 
-@pytest.mark.parametrize("ending", ["uff", "mat"])
+@pytest.mark.parametrize("ending", ["uff", pytest.param("mat", marks=pytest.mark.long)])
 def test_frfs_not_measured_stay_so_through_fit_export_and_import(tmp_path, ending):
     freq = 0.25 * np.arange(1, 400)
     chain.write_sets(

@@ -64,6 +64,7 @@ def test_a_user_s_mistake_is_one_message(arguments, message):
     assert message in str(result.exception)
 
 
+@pytest.mark.long
 def test_a_plan_for_an_arm_with_an_axis_counts_with_its_mode(corrected, small_search):
     value = json.loads(CliRunner().invoke(app, ["plan", corrected, "--tests=3", "--json"]).stdout)
     (note,) = value["notes"]

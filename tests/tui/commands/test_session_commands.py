@@ -111,8 +111,14 @@ def test_the_penalty_method_stands_beside_the_whole_fit(session_file):
     [
         (("--joints", "1"), "--joints chooses joints for --method eq13"),
         (("--method", "eq13", "--joints", "9"), "by name or number 1 to 6"),
-        (("--method", "eq13", "--joints", "6"), "has no stiffness in the arm file"),
-        (("--method", "eq13", "--joints", ""), "by name or number"),
+        pytest.param(
+            ("--method", "eq13", "--joints", "6"),
+            "has no stiffness in the arm file",
+            marks=pytest.mark.long,
+        ),
+        pytest.param(
+            ("--method", "eq13", "--joints", ""), "by name or number", marks=pytest.mark.long
+        ),
     ],
 )
 def test_joints_that_cannot_be_chosen_are_refused(session_file, arguments, message):

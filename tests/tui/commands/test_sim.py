@@ -5,9 +5,15 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
+import pytest
 from support.at_the_end import at_the_end
+from support.command import armodal
+
+from armodal.tui.commands import sim as sim_command
 
 COMMAND = (sys.executable, "-m", "armodal.tui.cli", "sim", "--time-scale", "8")
 
@@ -23,14 +29,55 @@ def last_line(*options):
     return line
 
 
+@pytest.mark.long
 def test_it_names_the_arm_and_the_plan_that_it_simulates():
     said = last_line("--arm", "ur5", "--plan", "ur5-five-postures")
     wanted = r"next: armodal run ur5-five-postures --arm ur5 --board \S+ --can \S+ --time-scale 8 "
     assert re.match(wanted, said)
 
 
+@pytest.mark.long
 def test_the_shipped_laboratory_goes_with_the_default_arm():
     assert re.match(r"next: armodal run PLAN --board \S+ --can \S+ --time-scale 8 ", last_line())
+
+
+@pytest.mark.parametrize(
+    ("options", "wanted"),
+    [
+        ((), r"next: armodal run PLAN --board b --can c --time-scale 8 "),
+        (
+            ("--arm", "ur5", "--plan", "ur5-five-postures"),
+            r"next: armodal run ur5-five-postures --arm ur5 --board b --can c --time-scale 8 ",
+        ),
+    ],
+)
+def test_it_names_what_goes_with_a_laboratory_that_is_there(options, wanted, monkeypatch):
+    """Without its process."""
+    begun = []
+
+    @contextmanager
+    def there(what, **settings):
+        begun.append(what)
+        yield SimpleNamespace(
+            board="b",
+            can="c",
+            operator="o",
+            ledger="l",
+            time_scale=settings["time_scale"],
+            truth_sha256="0" * 64,
+            wait=lambda: None,
+        )
+
+    monkeypatch.setattr(sim_command, "start_laboratory", there)
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    said = armodal("sim", "--time-scale", "8", *options)
+    assert said.returncode == 0
+    assert re.match(wanted, " ".join(said.stderr.splitlines()[-1:]))
+    assert len(begun) == 1
+    if options:
+        assert (begun[0].arm.name, begun[0].plan.name) == ("ur5", "ur5-five-postures")
+    else:
+        assert begun == ["rv4frl"]
 
 
 def processes_with(*words):

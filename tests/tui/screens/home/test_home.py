@@ -135,7 +135,11 @@ def test_a_new_session_is_begun_with_the_arm_just_made(folder):
 
 
 @pytest.mark.parametrize(
-    ("keys", "hint"), [(["s"], "A shipped arm"), (["s", "enter", "enter", "enter"], "the report")]
+    ("keys", "hint"),
+    [
+        pytest.param(["s"], "A shipped arm", marks=pytest.mark.long),
+        (["s", "enter", "enter", "enter"], "the report"),
+    ],
 )
 def test_the_whole_question_fits_80_by_24_and_tells_of_the_field_in_use(folder, keys, hint):
     def look(app):

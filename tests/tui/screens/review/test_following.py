@@ -97,6 +97,7 @@ def test_a_journal_that_is_none_is_told_once(tmp_path):
     assert looked(followed) == (None, "")
 
 
+@pytest.mark.long
 def test_a_journal_that_goes_and_comes_back_is_told_once(writer, hits):
     put(writer, hits[0])
     followed = FollowedJournal(writer.path)
@@ -124,6 +125,7 @@ def test_a_journal_that_is_cut_is_told_in_one_line(writer, hits):
     assert looked(followed) == (None, "")
 
 
+@pytest.mark.long
 def test_a_journal_that_is_replaced_is_told_in_one_line(writer, hits):
     put(writer, hits[0])
     followed = FollowedJournal(writer.path)

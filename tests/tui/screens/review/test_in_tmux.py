@@ -16,6 +16,7 @@ pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="needs tmux
 DEMO_S = 225.0  # the demo takes two to three minutes on two quiet cores
 
 
+@pytest.mark.long
 def test_a_session_is_reviewed_in_a_real_terminal(session, tmp_path):
     path = tmp_path / "s.h5"
     write_session(session, path)

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-from support.plain_structure import moving_fit
 from support.screen import laid_out
 
 from armodal.analyzer.modal import drift_told
@@ -13,8 +12,8 @@ def with_model(app, model):
     app.state.views[app.state.posture] = replace(app.state.view, model=model)
 
 
-def test_modes_that_move_and_peaks_without_modes_stand_under_the_table(drive):
-    _, moved = moving_fit()
+def test_modes_that_move_and_peaks_without_modes_stand_under_the_table(drive, moving):
+    _, moved = moving
 
     async def steps(app, pilot):
         app.action_tab("modes")

@@ -90,7 +90,7 @@ def test_one_key_writes_the_plan_and_never_over_another(drive_proposing, session
     drive_proposing(steps)
 
 
-@pytest.mark.parametrize("key", ["n", "enter"])
+@pytest.mark.parametrize("key", ["n", pytest.param("enter", marks=pytest.mark.long)])
 def test_the_same_key_once_more_leaves_to_measure_the_plan(drive_proposing, session, key):
     async def steps(app, pilot):
         await pilot.press("8", "n")

@@ -145,7 +145,7 @@ def test_a_mode_is_seen_from_where_it_moves_most_until_the_view_is_turned_by_han
     drive(steps)
 
 
-@pytest.mark.parametrize("columns", [80, 160])
+@pytest.mark.parametrize("columns", [80, pytest.param(160, marks=pytest.mark.long)])
 def test_the_table_of_modes_leaves_columns_out_by_importance_and_says_which(drive, columns):
     async def steps(app, pilot):
         await pilot.press("4")
@@ -159,6 +159,7 @@ def test_the_table_of_modes_leaves_columns_out_by_importance_and_says_which(driv
     drive(steps, size=(columns, 24))
 
 
+@pytest.mark.long
 def test_no_color_uses_the_theme_without_colour(drive):
     async def steps(app, pilot):
         assert app.theme == MONO

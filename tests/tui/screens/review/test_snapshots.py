@@ -13,7 +13,7 @@ NEXT = {"words": "Hit point 7 along y.", "why": "It tells two rivals apart.", "g
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((160, 45), marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", ["identify", "gap"])
+@pytest.mark.parametrize("name", [pytest.param("identify", marks=pytest.mark.long), "gap"])
 def test_the_screen_is_as_kept(drive, name, size):
     async def steps(app, pilot):
         app.state.identification = IDENTIFIED

@@ -89,7 +89,10 @@ def test_no_tip_is_judged_by_a_hit_that_was_not_accepted():
     assert excited_band(state, state.last_hit.hit) is None
 
 
-@pytest.mark.parametrize(("sign", "fault"), [(1.0, None), (-1.0, Fault.SIGN_FLIPPED)])
+@pytest.mark.parametrize(
+    ("sign", "fault"),
+    [pytest.param(1.0, None, marks=pytest.mark.long), (-1.0, Fault.SIGN_FLIPPED)],
+)
 def test_a_flipped_sensor_is_seen_at_the_driving_point_after_one_hit(sign, fault):
     finding = check_driving_point(point_frf(state_of(hit_at(1, sign=sign)), HERE))
     assert finding.fault is fault
@@ -144,7 +147,7 @@ def test_what_asks_for_something_comes_first_and_short_lines_share_a_row():
     assert craft_text(lines, 160, 1).plain.endswith(" · 2 more hits wanted")
 
 
-@pytest.mark.parametrize("size", [(80, 24), (160, 45)])
+@pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.long), (160, 45)])
 def test_the_hit_screen_says_what_is_wrong_and_what_is_still_wanted(tmp_path, size):
     stage = Stage(tmp_path)
 

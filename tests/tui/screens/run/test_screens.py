@@ -66,6 +66,7 @@ def test_every_screen_fits_every_size(tmp_path, size):
     play(stage, body, size)
 
 
+@pytest.mark.long
 def test_a_click_on_a_key_of_the_footer_presses_it(tmp_path):
     stage = Stage(tmp_path)
 
@@ -120,8 +121,18 @@ def test_a_resize_in_the_middle_of_a_hit_loses_nothing(tmp_path):
     ("kind", "message", "words"),
     [
         ("JournalError", "cannot write the journal: no space is left on the disk", "disk is full"),
-        ("DeviceLostError", "the board on /dev/ttyACM0 is gone", "Plug it in again"),
-        ("CanError", "no frame came on /dev/ttyACM1", "controller is silent"),
+        pytest.param(
+            "DeviceLostError",
+            "the board on /dev/ttyACM0 is gone",
+            "Plug it in again",
+            marks=pytest.mark.long,
+        ),
+        pytest.param(
+            "CanError",
+            "no frame came on /dev/ttyACM1",
+            "controller is silent",
+            marks=pytest.mark.long,
+        ),
         ("SomethingElse", "what nobody has thought of", "cannot go on"),
     ],
 )
@@ -246,7 +257,7 @@ def test_an_app_that_waited_for_its_turn_hears_what_was_said_before_it_calls_it_
     play(stage, body)
 
 
-@pytest.mark.parametrize("columns", [60, 80])
+@pytest.mark.parametrize("columns", [60, pytest.param(80, marks=pytest.mark.long)])
 def test_the_safety_line_is_whole_and_that_nothing_was_lost_gives_way(tmp_path, columns):
     stage = Stage(tmp_path)
     lost = LossNoted(loss=Loss(kind="stream", count=7, first_sample=None, host_s=0.0, note=""))

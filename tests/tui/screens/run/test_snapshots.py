@@ -23,10 +23,14 @@ KEYS = {
     "grid": "←→ Choose ⏎ Go on u Undo g Grid b Bell ? Help q Leave",
     "stopped": "←→ Choose r Try again b Bell ? Help q Leave",
 }
+QUICK = {"lab-to-confirm", "lab", "point", "rejected", "stopped"}
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((160, 45), marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", SCREENS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=() if name in QUICK else pytest.mark.long) for name in SCREENS],
+)
 def test_the_screen_is_as_kept_above_the_keys_in_use(tmp_path, monkeypatch, name, size):
     monkeypatch.delenv("NO_COLOR", raising=False)
     stage = Stage(tmp_path)

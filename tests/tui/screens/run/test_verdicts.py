@@ -45,8 +45,15 @@ def all_done():
     return session
 
 
-@pytest.mark.parametrize("size", [(80, 24), (50, 12)])
-@pytest.mark.parametrize("asked_next", [AT_POSTURE, AT_POINT, AT_HIT, all_done()])
+@pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.long), (50, 12)])
+@pytest.mark.parametrize(
+    "asked_next",
+    [
+        AT_POINT,
+        *(pytest.param(asked, marks=pytest.mark.long) for asked in (AT_POSTURE, AT_HIT)),
+        all_done(),
+    ],
+)
 def test_the_verdict_is_shown_whatever_is_asked_next(tmp_path, size, asked_next):
     stage = Stage(tmp_path)
 
@@ -57,7 +64,7 @@ def test_the_verdict_is_shown_whatever_is_asked_next(tmp_path, size, asked_next)
     play(stage, body, size)
 
 
-@pytest.mark.parametrize("size", [(80, 24), (50, 12)])
+@pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.long), (50, 12)])
 def test_the_end_of_a_session_is_told_with_its_last_verdict(tmp_path, size):
     stage = Stage(tmp_path)
 
