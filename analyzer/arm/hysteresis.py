@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
+
 __all__ = ["REFERENCE_RAD_S", "hysteresis"]
 
-REFERENCE_RAD_S = 2.0 * np.pi * 30.0  # at which a joint with a loss factor has its stiffness k
-
+# Where a joint with a loss factor has its stiffness k.
+REFERENCE_RAD_S = 2.0 * np.pi * STIFFNESS_AT_HZ
 
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 

@@ -10,15 +10,25 @@ import scipy
 from pydantic import Field, model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
-from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
 from armodal.hil_sim.linear import LinearTerms, MaxwellElement
 from armodal.hil_sim.truth import Interval, Positive
+from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
-__all__ = ["FILE_HZ", "OF_FILE", "Hysteretic", "beside_a_spring"]
+__all__ = [
+    "BAND_HZ",
+    "ELEMENTS",
+    "MOST_LOSS",
+    "OF_FILE",
+    "Hysteretic",
+    "beside_a_spring",
+    "loss_told",
+]
 
 Array = npt.NDArray[np.float64]
 
-FILE_HZ = 30.0  # at which a file's stiffness is meant
+MOST_LOSS = 0.3  # loss factor: beyond it hardly a static spring is left beside the elements
+BAND_HZ, ELEMENTS = (5.0, 200.0), 5  # in which five elements keep it within some per cent
 
 
 def relative_strengths(band_hz: tuple[float, float], n: int) -> tuple[Array, Array]:
@@ -49,9 +59,9 @@ class Hysteretic(BaseEffect):
 
     kind: Literal["hysteretic"]
     joints: Annotated[tuple[str, ...], Field(strict=False)] = ()
-    loss_factor: Annotated[float, Field(gt=0.0, le=0.3)]
-    band_hz: Interval = (5.0, 200.0)
-    elements: Annotated[int, Field(ge=2, le=20)] = 5
+    loss_factor: Annotated[float, Field(gt=0.0, le=MOST_LOSS)]
+    band_hz: Interval = BAND_HZ
+    elements: Annotated[int, Field(ge=2, le=20)] = ELEMENTS
     replaces_viscous: bool = False
     reference_hz: Positive | None = None
 
@@ -101,6 +111,13 @@ def beside_a_spring(
     ]
 
 
+def loss_told(factor: float) -> float:
+    """Return the loss factor of a file's effect; refused where the laboratory has no such law."""
+    if factor > MOST_LOSS:
+        raise Unlike(f"loss factor beyond {MOST_LOSS:g}")
+    return factor
+
+
 def _of_file(own: FileEffect) -> Twin:
     names = [joint.name for joint in own.arm.joints]
     losses = {name: own.sizes.get(f"loss_{name}", 0.0) for name in names}
@@ -108,8 +125,8 @@ def _of_file(own: FileEffect) -> Twin:
         {
             "kind": "hysteretic",
             "joints": (name,),
-            "loss_factor": min(loss, 0.3),
-            "reference_hz": FILE_HZ,
+            "loss_factor": loss_told(loss),
+            "reference_hz": STIFFNESS_AT_HZ,
         }
         for name, loss in losses.items()
         if loss > 0.0

@@ -8,15 +8,18 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
-from armodal.hil_sim.effects.hysteretic import FILE_HZ, beside_a_spring
+from armodal.hil_sim.effects.hysteretic import (
+    BAND_HZ,
+    ELEMENTS,
+    MOST_LOSS,
+    beside_a_spring,
+    loss_told,
+)
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
+from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
 __all__ = ["InterfaceLoss", "loss_of_file"]
-
-_MOST_LOSS = 0.3  # more is no loss of a structure
-_BAND_HZ = 5.0, 200.0
-_ELEMENTS = 5
 
 
 class InterfaceLoss(BaseEffect):
@@ -27,13 +30,13 @@ class InterfaceLoss(BaseEffect):
 
     kind: Literal["interface_loss"]
     stiffness: dict[str, Positive]
-    loss_factor: Annotated[float, Field(gt=0.0, le=_MOST_LOSS)]
+    loss_factor: Annotated[float, Field(gt=0.0, le=MOST_LOSS)]
 
     def act(self, terms: LinearTerms) -> None:
         """Put them there."""
         for label, k in self.stiffness.items():
             row, lossy = terms.row(label), self.loss_factor * k
-            beside_a_spring(terms, row, lossy, (_BAND_HZ, _ELEMENTS), FILE_HZ)
+            beside_a_spring(terms, row, lossy, (BAND_HZ, ELEMENTS), STIFFNESS_AT_HZ)
 
 
 def loss_of_file(factor: float, stiffness: Mapping[str, float]) -> list[dict[str, Any]]:
@@ -44,6 +47,6 @@ def loss_of_file(factor: float, stiffness: Mapping[str, float]) -> list[dict[str
         {
             "kind": "interface_loss",
             "stiffness": dict(stiffness),
-            "loss_factor": min(factor, _MOST_LOSS),
+            "loss_factor": loss_told(factor),
         }
     ]

@@ -213,3 +213,14 @@ def test_what_of_a_law_the_laboratory_has_not_is_told():
     ):
         with pytest.raises(PlantError, match=words):
             with_file_effects({"links": [], "effects": []}, with_effects(ARM, effect), 1)
+
+
+@pytest.mark.parametrize("name", ["link_axis", "hysteretic"])
+def test_a_loss_factor_beyond_what_the_laboratory_has_is_refused(name):
+    key = {"link_axis": "axis_loss_factor", "hysteretic": "loss_joint_1"}[name]
+    told = added("", "", **{key: 0.5}).parameters
+    effect = exactly(name)
+    kept = tuple(p for p in effect.parameters if p.name != key)
+    large = with_effects(ARM, replace(effect, parameters=(*kept, *told)))
+    with pytest.raises(PlantError, match=r"loss factor beyond 0\.3"):
+        with_file_effects({"links": [], "effects": []}, large, 1)

@@ -21,8 +21,7 @@ SLOW_TO_MAKE = {
     "seven_arrays_of_zeros", "zeros_of_eight_bytes", "texts_of_a_gigabyte",
     "half_a_gigabyte_of_doubles", "one_large_chunk", "padding_in_a_chunk", "many_chunks_of_padding",
     "large_rows_of_one_digit", "large_rows_as_many_as_are_read", "large_rows_of_measured_numbers",
-    "a_large_wave_of_bytes", "large_bytes_of_an_array",
-}  # fmt: skip
+    "a_large_wave_of_bytes", "large_bytes_of_an_array"}  # fmt: skip
 
 # As large as others of their kind, and read for seconds.
 SLOW_TO_READ = {

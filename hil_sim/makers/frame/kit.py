@@ -15,10 +15,9 @@ from armodal.hil_sim.makers.arm_table import Array, LinkRow
 from armodal.hil_sim.makers.frame.everyday import Everyday, Gear
 from armodal.hil_sim.makers.frame.modal import loss_law
 from armodal.hil_sim.makers.frame.parts import Parts
+from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
-__all__ = ["TOLD_AT_HZ", "Hidden", "HidesInFrame", "Kit", "stiffer_at_told"]
-
-TOLD_AT_HZ = 30.0  # an arm file's stiffness is what is felt there
+__all__ = ["Hidden", "HidesInFrame", "Kit", "stiffer_at_told"]
 
 Hidden = dict[str, Any]
 
@@ -53,7 +52,7 @@ class Kit:
 
 def stiffer_at_told(loss_factor: float) -> float:
     """By how much a part with a loss factor is stiffer than at rest, where a truth is told."""
-    s = 2.0j * np.pi * np.array([TOLD_AT_HZ])
+    s = 2.0j * np.pi * np.array([STIFFNESS_AT_HZ])
     return float(1.0 + loss_factor * loss_law(s)[0].real)
 
 

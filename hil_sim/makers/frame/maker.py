@@ -14,7 +14,7 @@ from armodal.hil_sim.makers.belief import believed_arm
 from armodal.hil_sim.makers.case import CaseSpec
 from armodal.hil_sim.makers.frame import effects
 from armodal.hil_sim.makers.frame.everyday import LOSS_AT_HZ, Everyday, Gear, everyday
-from armodal.hil_sim.makers.frame.kit import TOLD_AT_HZ, Hidden, HidesInFrame, Kit
+from armodal.hil_sim.makers.frame.kit import Hidden, HidesInFrame, Kit
 from armodal.hil_sim.makers.frame.parts import Parts
 from armodal.hil_sim.makers.frame.shop import Shop
 from armodal.hil_sim.makers.frame.visibility import VISIBLE, Witness
@@ -22,6 +22,7 @@ from armodal.hil_sim.makers.listing import modules_of
 from armodal.hil_sim.makers.plan_texts import Campaign, planned
 from armodal.hil_sim.streams import stream
 from armodal.protocols.arm.records import Arm
+from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 from armodal.protocols.errors import PlantError
 from armodal.protocols.plan_records import KnownMass, Mode, Plan
 from armodal.protocols.session.records import Session
@@ -143,7 +144,7 @@ def _sized(
 
 
 def _truth(drawn: Everyday, spec: CaseSpec, hidden: list[Hidden]) -> dict[str, Any]:
-    joints, told = {}, 2.0j * np.pi * np.array([TOLD_AT_HZ])
+    joints, told = {}, 2.0j * np.pi * np.array([STIFFNESS_AT_HZ])
     for joint in drawn.elastic:
         drive, (loss, power) = drawn.parts.drives[joint], drawn.loss[joint]
         joints[joint] = {

@@ -3,13 +3,15 @@
 import numpy as np
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
-from armodal.hil_sim.makers.frame.kit import TOLD_AT_HZ, Hidden, Kit
+from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.modal import loss_law
 from armodal.hil_sim.makers.frame.structure import Complex, Law
+from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
 RANGE = (0.01, 0.5)  # loss factor
 # Where a drive has its stiffness, and where an arm file tells it.
-REST, TOLD = (2.0j * np.pi * np.array([f_hz]) for f_hz in (20.0, TOLD_AT_HZ))
+OWN_AT_HZ = 20.0  # of this maker: no arm has a word on it
+REST, TOLD = (2.0j * np.pi * np.array([f_hz]) for f_hz in (OWN_AT_HZ, STIFFNESS_AT_HZ))
 
 
 def where(drawn: Everyday) -> list[str]:
