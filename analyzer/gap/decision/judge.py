@@ -29,6 +29,7 @@ __all__ = [
     "Thresholds",
     "ends_alike",
     "follows_no_level",
+    "is_also",
     "is_as_good",
     "is_certain",
     "judge",
@@ -38,7 +39,7 @@ __all__ = [
 ]
 
 
-_LIKELIER, _PART_OF_GAIN = 3.0, 0.1
+_PART_OF_GAIN = 0.1  # by which an axis may explain more than the joint on which it lies
 _MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scatter
 # Nats: six nulls had 5 at most and an uncorrected window 12.3; of eight cracks five had 69 to 354,
 # three no more than 8 to 14.
@@ -107,7 +108,7 @@ def judge(
     material = material or [r for r in clear if matters(stage, present, r, r.last)]
     if not material:
         return nothing
-    best = _plainest(material, present, apart, phi)
+    best = _plainest(material, present, phi)
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
@@ -150,7 +151,7 @@ def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> floa
     return limit
 
 
-def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -> Fit:
+def _plainest(material: Sequence[Fit], present: Fit, phi: float) -> Fit:
     """The best; where that is an axis, the released joint on which it lies.
 
     Or the bearing at an end of its link while much else is missing: what the axis, with three
@@ -161,14 +162,17 @@ def _plainest(material: Sequence[Fit], present: Fit, apart: float, phi: float) -
     near = (
         r
         for r in material
-        if (_is_also(best, r) and is_as_good(r.evidence - best.evidence, gain, apart * phi))
+        if (is_also(best, r) and is_as_good(r.evidence - best.evidence, gain))
         or (_at_an_end(best, r, phi) and r.evidence - best.evidence < _SLIGHT_PART * gain)
     )
     return next(near, best)
 
 
-def is_as_good(behind: float, gain: float, apart: float) -> bool:
-    """Whether a joint believed rigid, released, is the likelier name than an axis in its link.
+def is_as_good(behind: float, gain: float) -> bool:
+    """Whether a joint believed rigid, released, is the likelier name than an axis on it.
+
+    A line in the link that happens to lie there is rare. What four parameters more explain, when
+    most is explained, are errors of the right model; they grow with what was missing.
 
     Parameters
     ----------
@@ -176,10 +180,8 @@ def is_as_good(behind: float, gain: float, apart: float) -> bool:
         Nats by which the axis, with three parameters more, is better.
     gain
         Nats that the axis brings.
-    apart
-        Nats by which rivals are told apart.
     """
-    return behind < min(_LIKELIER * apart, _PART_OF_GAIN * gain)
+    return behind < _PART_OF_GAIN * gain
 
 
 def is_certain(fit: Fit) -> bool:
@@ -221,7 +223,7 @@ def follows_no_level(hypothesis: Hypothesis) -> bool:
 
 def _same(one: Fit, other: Fit) -> bool:
     a, b = one.last, other.last
-    if a.key == b.key or _is_also(one, other) or _is_also(other, one):
+    if a.key == b.key or is_also(one, other) or is_also(other, one):
         return True
     return ends_alike(a, b)
 
@@ -246,7 +248,7 @@ def _at_an_end(inside: Fit, end: Fit, phi: float) -> bool:
     return phi > _MUCH_ELSE and end.last.key in inside.last.at_its_ends
 
 
-def _is_also(one: Fit, other: Fit) -> bool:
+def is_also(one: Fit, other: Fit) -> bool:
     """Whether by the values of one the other is the same thing, told better."""
-    is_also = one.last.is_also
-    return is_also is not None and is_also(one.values, other.last)
+    of_values = one.last.is_also
+    return of_values is not None and of_values(one.values, other.last)

@@ -47,9 +47,10 @@ class HiddenSize:
         self.is_known = candidate.instance.size not in {p.name for p in own}
 
     def hold_against_data(self, least: float) -> None:
-        """Hold it against the data, by bisection over halves of the limit down to a least size.
+        """Hold it against the data: its limit first, then halves of it from a least size up.
 
-        What leaves no room at one size leaves none at twice it.
+        What leaves no room at one size leaves none at twice it. Small sizes are near to where a
+        look foretells them and soon fitted, large ones that have no room are not.
         """
         self.is_known = True
         if not np.isfinite(self.limit):  # nothing tells how large it is
@@ -57,16 +58,8 @@ class HiddenSize:
         if self._has_room(self.limit, steps=0):
             return
         halves = max(int(np.ceil(np.log2(abs(self.limit) / least))), 1)
-        sizes = [self.limit / 2.0**k for k in reversed(range(halves))]
-        with_room, without = 0, len(sizes)
-        while with_room < without:
-            middle = (with_room + without) // 2
-            if self._has_room(sizes[middle], steps=STEPS):
-                with_room = middle + 1
-            else:
-                without = middle
-        if without < len(sizes):
-            self.at_most = sizes[without]
+        sizes = (self.limit / 2.0**k for k in reversed(range(halves)))
+        self.at_most = next((s for s in sizes if not self._has_room(s, STEPS)), self.at_most)
 
     def _has_room(self, size: float, steps: int) -> bool:
         """Whether a model with the effect at that size costs hardly more."""
