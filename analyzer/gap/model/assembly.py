@@ -122,6 +122,39 @@ class System:
         }
         return System(**found, pieces=pieces)
 
+    def moving(self) -> npt.NDArray[np.int64]:
+        """Return the coordinates that are not locked in every posture; stacked."""
+        return np.flatnonzero((self.compliance != 0.0).any(axis=0))
+
+    def among(self, coordinates: npt.NDArray[np.int64]) -> System:
+        """Return the system with some of its coordinates alone, the others locked."""
+        square = np.ix_(coordinates, coordinates)
+        matrices = {
+            name: getattr(self, name)[..., square[0], square[1]]
+            for name in ("mass", "damping", "stiffness", "loss")
+        }
+        rows = {name: getattr(self, name)[..., coordinates] for name in _BY_COORDINATE}
+        pieces = {
+            link: replace(own, motion=own.motion[..., coordinates])
+            for link, own in self.pieces.items()
+        }
+        return replace(self, **matrices, **rows, pieces=pieces)
+
+
+_BY_COORDINATE = (  # arrays of a system whose last axis are its coordinates
+    "compliance",
+    "compliance_loss_s",
+    "compliance_loss_factor",
+    "link_motion",
+    "base_motion",
+    "moved",
+    "seen",
+    "tilted",
+    "turned",
+    "hit",
+    "hit_turned",
+)
+
 
 @dataclass
 class Assembly:

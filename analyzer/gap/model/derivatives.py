@@ -80,7 +80,8 @@ class Solved:
 
     def by_compliances(self) -> Iterator[tuple[str, ComplexArray]]:
         """Compliances and their losses."""
-        s, system = self.found.s_rad_s, self.found.system
+        s = self.found.s_rad_s
+        compliance = self.found.whole.compliance.astype(s.real.dtype)
         every = [at for parts in self.assemblies[0].compliance_of.values() for at, _ in parts]
         row_of = dict(zip(every, self.found.by_compliances(every), strict=True))
         for of_all in (
@@ -93,9 +94,7 @@ class Solved:
         resists, first = self.found.resists, self.assemblies[0]
         for by, at_parameter in ((s, first.loss_of), (hysteresis(s), first.loss_factor_of)):
             for name, coordinates in at_parameter.items():
-                lags = (
-                    -system.compliance[:, at, None] * by / resists[..., at] for at in coordinates
-                )
+                lags = (-compliance[:, at, None] * by / resists[..., at] for at in coordinates)
                 rows = zip(coordinates, lags, strict=True)
                 yield name, np.sum([row_of[at] * w[:, None, None, :] for at, w in rows], axis=0)
 
@@ -178,7 +177,7 @@ class Solved:
 
     def by_angles(self) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""
-        slopes = angle_slopes(self.assemblies, self.exact.system, self.near)
+        slopes = angle_slopes(self.assemblies, self.exact.whole, self.near)
         names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
         return zip(names, by_slopes(self.found, slopes), strict=True)
 
@@ -211,7 +210,7 @@ class Solved:
 
         One on a spring, without a compliance, gives way.
         """
-        system = self.found.system
+        system = self.exact.whole
         moves = {
             name: len(own)
             for name, own in self.assemblies[0].motion_of.items()
@@ -263,8 +262,9 @@ class Solved:
                     step = -step
                 changed = {**self.values, parameter.name: self.values[parameter.name] + step}
                 other = systems([self.hypothesis.add_to(own, changed) for own in self.plain])
-                found = by_change(self.found, Change.between(self.exact.system, other, step))
-                decay = (other.decay_rad_s - self.exact.system.decay_rad_s) / step
+                before, after = (of.among(self.exact.moving) for of in (self.exact.whole, other))
+                found = by_change(self.found, Change.between(before, after, step))
+                decay = (after.decay_rad_s - before.decay_rad_s) / step
                 if decay.any():
                     by_line = by_decay(self.found)
                     found += decay.astype(found.real.dtype)[:, None, None, None] * by_line

@@ -13,16 +13,28 @@ from armodal.analyzer.gap.model.assembly import System
 
 __all__ = ["dynamic_stiffness", "inverses", "resists"]
 
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _BLOCK = 64  # columns that LAPACK works on at a time
 
 
-def dynamic_stiffness(system: System, s: ComplexArray) -> ComplexArray:
-    """Return (P, L, n, n) s^2 M + s C + K + L(s) D; few coordinates have a damper or a loss."""
-    Z = (s**2)[..., None, None] * system.mass[:, None]
-    Z += system.stiffness[:, None]
-    for weight, matrix in ((s, system.damping), (hysteresis(s), system.loss)):
+def dynamic_stiffness(
+    system: System, s: ComplexArray, rows: Indices | None = None, columns: Indices | None = None
+) -> ComplexArray:
+    """Return (P, L, n, n) s^2 M + s C + K + L(s) D, or some rows and columns of it.
+
+    Few coordinates have a damper or a loss.
+    """
+    at = [slice(None) if of is None else of for of in (rows, columns)]
+
+    def part(matrix: Array) -> Array:
+        return matrix[:, at[0]][..., at[1]]
+
+    Z = (s**2)[..., None, None] * part(system.mass)[:, None]
+    Z += part(system.stiffness)[:, None]
+    for weight, matrix in ((s, part(system.damping)), (hysteresis(s), part(system.loss))):
         i, j = np.nonzero(matrix.any(axis=0))
         Z[..., i, j] += weight[..., None] * matrix[:, None, i, j]
     return np.asarray(Z)

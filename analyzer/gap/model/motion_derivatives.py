@@ -19,6 +19,7 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 def by_slopes(found: Response, slopes: Slopes) -> ComplexArray:
     """Derivatives (k, P, m, 3, L) by the k joint angles; slopes of P postures."""
+    slopes = slopes.among(found.moving)
     system = found.system
     x, Y = found.x, found.under_loads
     P, m, n, L = x.shape
@@ -73,7 +74,16 @@ def _products(
 
 def by_motion(found: Response, slopes: MotionSlopes) -> ComplexArray:
     """Derivatives (k, P, m, 3, L) by k ways in which a coordinate moves otherwise."""
-    system, at, k = found.system, slopes.at, len(slopes.at)
+    moves = found.places[slopes.at] >= 0
+    y = np.zeros((len(moves), *found.true_axes.shape), dtype=found.true_axes.dtype)
+    if moves.any():
+        y[moves] = _by_moving(found, slopes.among(found.moving, moves))
+    return y
+
+
+def _by_moving(found: Response, slopes: MotionSlopes) -> ComplexArray:
+    """Of coordinates that are not locked."""
+    system, at, k = found.system, found.places[slopes.at], len(slopes.at)
     x, Y = found.x, found.under_loads
     P, m, n, _ = x.shape
     s2 = (found.s_rad_s**2)[:, None, None]  # (P, 1, 1, L)

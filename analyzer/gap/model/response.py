@@ -16,10 +16,11 @@ A loss factor eta is causal, constant at every frequency, and leaves k as it is 
     k (1 + eta L(s)),    L(s) = (2 / pi) ln(s / w_r),    L(i w) = i + (2 / pi) ln(w / w_r) .
 
 A compliance gamma with losses changes H by w w' d(gamma / (1 + tau s + eta L(s))), w the motion per
-unit torque inside that compliance: also at gamma = 0.
+unit torque inside that compliance: also at gamma = 0. Coordinates locked in all postures do not
+move, and are left out; only what their compliances would change needs them.
 
-Axes of arrays: P postures, m mountings, n coordinates, L lines, which are last wherever single
-lines need no matrix: few long operations instead of many small ones.
+Axes of arrays: P postures, m mountings, n coordinates that move, L lines, which are last wherever
+single lines need no matrix: few long operations instead of many small ones.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ from armodal.analyzer.gap.model.geometry import skew
 __all__ = ["Response", "as_single", "of_hits", "real_times", "respond"]
 
 Array = npt.NDArray[np.floating[Any]]
+Indices = npt.NDArray[np.int64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 _SINGLE = {np.dtype(np.float64): np.float32, np.dtype(np.complex128): np.complex64}
 
@@ -52,12 +54,15 @@ _AS_LOCKED = 1e-15  # rad/(N m) or m/N: less is divided by nowhere
 class Response:
     """Solution of systems on their lines; what only derivatives need is solved when asked for."""
 
-    system: System  # of P postures
+    system: System  # of P postures, with the coordinates that move
+    whole: System  # with all N of them
+    moving: Indices  # (n,) which those are
     s_rad_s: ComplexArray  # (P, L)
-    hit: npt.NDArray[np.int64]  # (P, m) index into the system's hits
+    hit: Indices  # (P, m) index into the system's hits
     factor: ComplexArray  # (P, L) of all channels: scale and delay
     x: ComplexArray  # (P, m, n, L) motion under the hit
     true_axes: ComplexArray  # (P, m, 3, L) before channels were mixed, factor included
+    scale: ComplexArray  # (P, L, n) of the rows of A
     inner: ComplexArray  # (P, L, n, n) A^-1: column i is w of coordinate i
     H: ComplexArray  # (P, L, n, n) receptance without the accelerometer
     HU: ComplexArray  # (P, m, n, 3, L) columns H U'
@@ -92,16 +97,24 @@ class Response:
         """
         if not np.abs(self.x).max() < _SENSIBLE:
             return self
-        own = [f.name for f in fields(self) if f.name not in ("system", "hit", "added")]
-        own += [] if self.added is None else ["added"]
-        return replace(
-            self, system=_in_single(self.system), **{n: as_single(getattr(self, n)) for n in own}
-        )
+        kept = ("system", "whole", "moving", "hit", "added")
+        names = [f.name for f in fields(self) if f.name not in kept]
+        names += [] if self.added is None else ["added"]
+        own: dict[str, Any] = {name: as_single(getattr(self, name)) for name in names}
+        return replace(self, system=_in_single(self.system), **own)
 
     @cached_property
     def resists(self) -> ComplexArray:
-        """(P, L, n) `dynamic_stiffness.resists` on these lines."""
-        return resists(self.system, self.s_rad_s)
+        """(P, L, N) `dynamic_stiffness.resists` on these lines, of all coordinates."""
+        found = resists(self.whole, self.s_rad_s.astype(complex))
+        return np.asarray(found.astype(self.x.dtype, copy=False))
+
+    @cached_property
+    def places(self) -> Indices:
+        """(N,) where each coordinate is among those that move; -1 of one that is locked."""
+        found = np.full(self.whole.compliance.shape[1], -1)
+        found[self.moving] = np.arange(len(self.moving))
+        return found
 
     @property
     def values(self) -> ComplexArray:
@@ -110,40 +123,44 @@ class Response:
         return linear if self.added is None else linear + self.added
 
     def under_a_torque(self, row: Array) -> ComplexArray:
-        """(P, m, 3, L) what is recorded of a unit torque along a row (P, n)."""
+        """(P, m, 3, L) what is recorded of a unit torque along a row (P, N)."""
         return self._along(row)[0]
 
     def by_stretch(self, row: Array, weight: ComplexArray | Array) -> ComplexArray:
         """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x.
 
-        `row` (P, n), `weight` (P, L).
+        `row` (P, N), `weight` (P, L).
         """
         load, stretch = self._along(row)
         weight = weight.astype(self.x.dtype, copy=False)
         return np.asarray(load * (stretch * -weight[:, None, :])[:, :, None])
 
     def by_stretches(self, one: Array, other: Array, weight: ComplexArray) -> ComplexArray:
-        """Derivative by an element between two stretches (P, n), both ways."""
+        """Derivative by an element between two stretches (P, N), both ways."""
         (load, stretch), (load_other, stretch_other) = self._along(one), self._along(other)
         weight = weight[:, None, None, :]
         y = load * stretch_other[:, :, None] + load_other * stretch[:, :, None]
         return np.asarray(-weight * y)
 
     def _along(self, row: Array) -> tuple[ComplexArray, ComplexArray]:
-        """(P, m, 3, L) under the loads and (P, m, L) under the hit, along a row (P, n)."""
-        at = np.flatnonzero(np.any(row, axis=0))
-        row = row.astype(self.x.real.dtype, copy=False)
-        load = sum(self.under_loads[:, :, i] * row[:, i, None, None, None] for i in at)
-        stretch = sum(self.x[:, :, i] * row[:, i, None, None] for i in at)
-        return np.asarray(load), np.asarray(stretch)
+        """(P, m, 3, L) under the loads and (P, m, L) under the hit, along a row (P, N)."""
+        row = row[:, self.moving].astype(self.x.real.dtype, copy=False)
+        load, stretch = np.zeros_like(self.true_axes), np.zeros_like(self.x[:, :, 0])
+        for i in np.flatnonzero(np.any(row, axis=0)):
+            load += self.under_loads[:, :, i] * row[:, i, None, None, None]
+            stretch += self.x[:, :, i] * row[:, i, None, None]
+        return load, stretch
 
     def by_term(self, kind: str, i: int, j: int) -> ComplexArray:
-        """Derivative by an element of "mass", "damping", "stiffness" or "loss"."""
+        """Derivative by an element of "mass", "damping", "stiffness" or "loss", of N by N."""
+        i, j = int(self.places[i]), int(self.places[j])
+        if min(i, j) < 0:
+            return np.zeros_like(self.true_axes)
         stretch = self.x[:, :, j] * -self.weight(kind)[:, None, :]
         return np.asarray(self.under_loads[:, :, i] * stretch[:, :, None])
 
     def by_stretch_of(self, kind: str, row: Array) -> ComplexArray:
-        """Derivative by a spring ("stiffness") or damper ("damping"); row (P, n)."""
+        """Derivative by a spring ("stiffness") or damper ("damping"); row (P, N)."""
         return self.by_stretch(row, self.weight(kind))
 
     def weight(self, kind: str) -> ComplexArray:
@@ -154,11 +171,11 @@ class Response:
         ]
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
-        """Derivatives (k, P, m, 3, L) by the compliances of k coordinates.
+        """Derivatives (k, P, m, 3, L) by the compliances of k of the N coordinates.
 
         H has the compliance as a factor on both sides: where none is zero that is divided out.
         """
-        gamma = self.system.compliance[:, list(coordinates)]
+        gamma = self.whole.compliance[:, list(coordinates)].astype(self.x.real.dtype)
         found = np.empty((len(coordinates), *self._shape), dtype=self.x.dtype)
         locked = [i for i, column in enumerate(gamma.T) if (column < _AS_LOCKED).any()]
         if locked:
@@ -167,10 +184,11 @@ class Response:
         resist = self.resists
         for i, at in enumerate(coordinates):
             if i not in locked:
+                own = self.places[at]
                 yields = gamma[:, i, None]
-                torque = self.x[:, :, at] * (resist[:, :, at] / yields)[:, None, :]
+                torque = self.x[:, :, own] * (resist[:, :, at] / yields)[:, None, :]
                 torque *= (1.0 / yields)[:, None]  # the other side's
-                np.multiply(self.under_loads[:, :, at], torque[:, :, None], out=found[i])
+                np.multiply(self.under_loads[:, :, own], torque[:, :, None], out=found[i])
         return found
 
     @property
@@ -179,29 +197,36 @@ class Response:
         return P, m, 3, L
 
     def through_compliances(self, coordinates: Sequence[int]) -> tuple[ComplexArray, ComplexArray]:
-        """What is recorded of a unit yield, and the torque that a unit hit puts there.
+        """What is recorded of a unit yield of k of the N coordinates, and the hit's torque there.
 
         Returns
         -------
-        recorded : (k, P, m, 3, L), torque : (k, P, m, L), the compliance's own lag included
+        recorded : (k, P, m, 3, L), torque : (k, P, m, L) by a unit hit, the compliance's own lag
+            included
         """
         system, s = self.system, self.s_rad_s
         P, m, n, L = self.x.shape
-        k = len(coordinates)
-        w = np.ascontiguousarray(self.inner[..., list(coordinates)].transpose(0, 2, 3, 1))
+        k, real = len(coordinates), self.x.real.dtype
+        w = np.ascontiguousarray(self._yields(coordinates).transpose(0, 2, 3, 1))
         w = w.reshape(P, 1, n, k * L)
         HU = self.HU.reshape(P, m, n, 3 * L)
         s2 = (s**2)[:, None, None, None]
+        # A locked coordinate yields by itself, besides what moves with it.
+        itself = [i for i, at in enumerate(coordinates) if self.places[at] < 0]
+        locked = [coordinates[i] for i in itself]
 
-        def through(rows: Array) -> ComplexArray:
+        def through(rows: Array, whole: Array) -> ComplexArray:
             """(P, m, rows, k, L) motion by a unit yield, the accelerometer left out."""
-            return real_times(rows, w).reshape(P, m, -1, k, L)
+            found = real_times(rows, w).reshape(P, m, -1, k, L)
+            if itself:
+                found[:, :, :, itself] += whole[..., locked].astype(real)[..., None]
+            return found
 
         def loaded(rows: Array) -> ComplexArray:
             """(P, m, rows, 3, L) motion by a unit pull of the accelerometer."""
             return real_times(rows, HU).reshape(P, m, -1, 3, L)
 
-        Uw = through(system.moved)
+        Uw = through(system.moved, self.whole.moved)
         SUw = [
             np.asarray(sum(self.S[:, :, a, b, None] * Uw[:, :, b] for b in range(3)))
             for a in range(3)
@@ -213,19 +238,31 @@ class Response:
             return motion
 
         o_w = with_sensor(
-            s2 * through(system.seen) + through(system.tilted),
+            s2 * through(system.seen, self.whole.seen) + through(system.tilted, self.whole.tilted),
             s2 * loaded(system.seen) + loaded(system.tilted),
         )
         recorded = real_times(system.mix, o_w.reshape(P, m, 3, k * L)).reshape(P, m, 3, k, L)
-        b = self._forces()[:, :, None].astype(self.x.real.dtype, copy=False)  # (P, m, 1, n)
-        w_b = with_sensor(through(b), loaded(b))[:, :, 0]
+        b, whole = (
+            of_hits(_hit_forces(of), self.hit)[:, :, None].astype(real, copy=False)
+            for of in (system, self.whole)
+        )  # (P, m, 1, n or N)
+        w_b = with_sensor(through(b, whole), loaded(b))[:, :, 0]
         lag = 1.0 / self.resists[:, :, list(coordinates)].transpose(0, 2, 1)
         torque = w_b * (self.factor[:, None] * lag)[:, None]  # (P, m, k, L)
         return recorded.transpose(3, 0, 1, 2, 4), torque.transpose(2, 0, 1, 3)
 
-    def _forces(self) -> Array:
-        """(P, m, n) generalised force of the hit of each mounting."""
-        return of_hits(_hit_forces(self.system), self.hit)
+    def _yields(self, coordinates: Sequence[int]) -> ComplexArray:
+        """(P, L, n, k) motion of what moves by a unit yield of k of the N coordinates."""
+        found = np.empty((*self.inner.shape[:3], len(coordinates)), dtype=self.inner.dtype)
+        at = self.places[list(coordinates)]
+        free, locked = at >= 0, at < 0
+        found[..., free] = self.inner[..., at[free]]
+        if locked.any():
+            s = self.s_rad_s.astype(complex)
+            columns = np.asarray(coordinates)[locked]
+            load = -self.scale[..., None] * dynamic_stiffness(self.whole, s, self.moving, columns)
+            found[..., locked] = self.inner @ load.astype(self.inner.dtype, copy=False)
+        return found
 
     def by_link_inertia(self, link: int, changes: Array) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by k changes (k, 6, 6) of a link's spatial inertia.
@@ -349,6 +386,8 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
 
     `s_rad_s` (P, L), `hit` (P, m): each mounting's, index into the system's.
     """
+    whole, moving = system, system.moving()
+    system = whole.among(moving)
     s = s_rad_s + system.decay_rad_s[:, None]
     soft = np.isfinite(system.compliance[0])
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
@@ -376,11 +415,14 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     raw = (s**2)[:, None, None] * real_times(system.seen, x) + real_times(system.tilted, x)
     return Response(
         system=system,
+        whole=whole,
+        moving=moving,
         s_rad_s=s,
         hit=hit,
         factor=factor,
         x=x,
         true_axes=raw * factor[:, None, None],
+        scale=scale,
         inner=inner,
         H=H,
         HU=HU,

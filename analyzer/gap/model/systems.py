@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +38,10 @@ class Slopes:
     tilted: Array  # (P, k, m, 3, n)
     hit: Array  # (P, k, n_hits, 3, n)
 
+    def among(self, coordinates: Indices) -> Slopes:
+        """Return those of some coordinates, the others locked."""
+        return Slopes(**{f.name: getattr(self, f.name)[..., coordinates] for f in fields(self)})
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotionSlopes:
@@ -54,6 +58,16 @@ class MotionSlopes:
     seen: Array  # (P, m, 3, k)
     tilted: Array  # (P, m, 3, k)
     hit: Array  # (P, n_hits, 3, k)
+
+    def among(self, coordinates: Indices, ways: npt.NDArray[np.bool_]) -> MotionSlopes:
+        """Return those of some coordinates, the others locked, and of some ways."""
+        rows = ("mass", "stiffness_row", "stiffness_column")
+        return replace(
+            self,
+            at=self.at[ways],
+            **{name: getattr(self, name)[:, ways][..., coordinates] for name in rows},
+            **{n: getattr(self, n)[..., ways] for n in ("moved", "seen", "tilted", "hit")},
+        )
 
 
 def systems(assemblies: Sequence[Assembly]) -> System:
