@@ -142,6 +142,27 @@ def test_derivatives_are_those_of_differences_for_every_effect(lines, ordinary, 
             )
 
 
+def test_derivatives_by_what_is_locked_are_those_of_its_first_bit(lines, ordinary, posed):
+    """Every second compliance is zero: its coordinate is left out, and beside it others move."""
+    axis = link_axis.at_axis(ordinary, 1, AXIS, np.array([0.1, 0.0, 0.05]))
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(axis,))
+    space = hypothesis.space()
+    values = space.values(np.clip(space.start() + 0.1, space.low, space.high))
+    together = Postures([posed], [lines])
+    (assembly,) = together.assembled(hypothesis, values)
+    locked = [axis.size, *[name for name in assembly.compliance_of if name != axis.size][::2]]
+    values |= dict.fromkeys(locked, 0.0)
+    found = together.response(hypothesis, values)
+    assert 0 < len(found.moving) < found.whole.compliance.shape[1]
+    y, dy = together.derivatives(hypothesis, space, values)
+    for name in locked:
+        step = 1e-4 * space.std[space.index[name]]  # one-sided: its square is left out
+        more = posed.values(hypothesis, lines, values | {name: step})
+        want = (more - y[0]) / 1e-4
+        atol = 2e-3 * np.abs(want).max() + 1e-12
+        np.testing.assert_allclose(dy[space.index[name], 0], want, atol=atol, err_msg=name)
+
+
 def test_a_damper_stretches_with_what_moves_a_coordinate_otherwise(lines, ordinary, posed):
     """The base's pivot, an axis's place and a wrist's ratio, beside a damper of one deviation."""
     kinds = {i.effect.name: i for i in all_instances(ordinary)}
