@@ -23,8 +23,8 @@ __all__ = ["HiddenSize"]
 class HiddenSize:
     """How large a hidden effect may be: at most a limit of its size, until held against data.
 
-    Then it is the least of that limit's halves that the data speak against, if they do. What they
-    leave room for lies below, by less than half: a range is rather too wide than too narrow.
+    Then it is the least of that limit's halves that the data speak against, if they do. A few steps
+    of a fit decide: what only a long way leads to is not believed.
 
     Parameters
     ----------
