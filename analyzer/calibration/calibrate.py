@@ -195,7 +195,7 @@ class _LinearArm:
 
     def mass(self, links: Sequence[InertialLink]) -> Array:
         own = np.concatenate([self._parameters_of(i, link) for i, link in enumerate(links)])
-        return (self._slope @ own).reshape(self._shape)
+        return np.asarray((self._slope @ own).reshape(self._shape))
 
     def _moved(self, i: int, u: Array) -> InertialLink:
         key, link = self._last.get(i, (b"", None))
