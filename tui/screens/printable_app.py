@@ -34,8 +34,6 @@ class _Printable(LineFilter):
 
 
 def _in_cells(text: str) -> str:
-    if printable(text) == text:
-        return text
     return "".join(
         sign if printable(sign) == sign else "\N{REPLACEMENT CHARACTER}" for sign in text
     )
