@@ -20,6 +20,8 @@ def printable(text: str, *, keep: str = "\n\t") -> str:
     >>> print(printable("test \x9b2J \u202e1"))
     test \x9b2J \u202e1
     """
+    if text.isprintable():  # nearly always, and told at once
+        return text
     return _NOT_SHOWN.sub(
         lambda found: found.group() if found.group() in keep else ascii(found.group())[1:-1], text
     )

@@ -76,11 +76,12 @@ def pytest_collection_finish():
     """Leave what is loaded by now out of Python's garbage collection: it stays to the end.
 
     A session looks at all that there is once more, as its process begins. Here some thousand tests
-    are loaded too, which takes half a second each time: only what came since is looked at.
+    are loaded too, which takes half a second each time: only what came since is looked at. What a
+    session leaves out stays so too, or the next would look at all that tests have loaded by then.
     """
     gc.collect()
     gc.freeze()
-    gc.freeze = gc.unfreeze = _nothing
+    gc.unfreeze = _nothing
 
 
 def _nothing():

@@ -185,6 +185,7 @@ class _LinearArm:
         self._batch = batch
         self._bodies = bodies
         self._last: dict[int, tuple[bytes, InertialLink]] = {}
+        self._parameters: dict[int, tuple[InertialLink, Array]] = {}
         slope = batch.mass_slope(joints_rad)
         self._shape = slope.shape[:3]
         self._slope = slope.reshape(-1, slope.shape[3] * slope.shape[4])
@@ -193,7 +194,8 @@ class _LinearArm:
         return [self._moved(i, u[N_NUMBERS * i :][:N_NUMBERS]) for i in range(len(self._bodies))]
 
     def mass(self, links: Sequence[InertialLink]) -> Array:
-        return (self._slope @ self._batch.parameters(links).ravel()).reshape(self._shape)
+        own = np.concatenate([self._parameters_of(i, link) for i, link in enumerate(links)])
+        return np.asarray((self._slope @ own).reshape(self._shape))
 
     def _moved(self, i: int, u: Array) -> InertialLink:
         key, link = self._last.get(i, (b"", None))
@@ -201,3 +203,10 @@ class _LinearArm:
             link = moved_body(self._bodies[i], u)
             self._last[i] = u.tobytes(), link
         return link
+
+    def _parameters_of(self, i: int, link: InertialLink) -> Array:
+        of, found = self._parameters.get(i, (None, None))
+        if found is None or of is not link:
+            found = self._batch.parameters_of(i, link)
+            self._parameters[i] = link, found
+        return found

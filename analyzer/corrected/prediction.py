@@ -15,7 +15,7 @@ from armodal.analyzer.corrected.posture import CorrectedPosture, corrected_postu
 from armodal.analyzer.identification.mode_fit import pair_by_shape
 from armodal.protocols.arm.records import Arm
 
-__all__ = ["ArmPrediction", "predict_arm"]
+__all__ = ["ArmPrediction", "modes_of_arm", "predict_arm"]
 
 Array = npt.NDArray[np.float64]
 
@@ -86,6 +86,23 @@ def predict_arm(
             )
         )
     return tuple(found)
+
+
+def modes_of_arm(
+    arm: Arm, postures_deg: Sequence[Sequence[float]], *, below_hz: float = np.inf
+) -> tuple[CorrectedModes, ...]:
+    """Predict as `predict_arm` does, but modes alone: without deviations it is done far sooner.
+
+    Raises
+    ------
+    ArmError, EstimateError
+        As `predict_arm` does.
+    """
+    correction = correction_of(arm)
+    return tuple(
+        _modes(correction, wanted_posture(arm, posture_deg), 0.0, below_hz)[1]
+        for posture_deg in postures_deg
+    )
 
 
 def _steps(correction: Correction) -> Iterator[Mapping[str, float]]:

@@ -123,8 +123,15 @@ class Collisions:
         """Whether a hand reaches a place of a body in half of the free postures or more."""
         rod, T = probe(place_m, normal, free_m=HAND_M)
         poses = self._sampled
-        hit = sum(self._hits(rod, each[body] @ T, body, each) for each in poses)
-        return hit <= 0.5 * len(poses)
+        each_hit = (self._hits(rod, each[body] @ T, body, each) for each in poses)
+        half = len(poses) // 2
+        hit = free = 0
+        while hit <= half and free < len(poses) - half:  # until it is settled
+            if next(each_hit):
+                hit += 1
+            else:
+                free += 1
+        return hit <= half
 
     def _probe(self, point: Point) -> tuple[object, Array]:
         """The hand before a point, made once: postures ask for it by thousands."""

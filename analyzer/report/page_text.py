@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import jinja2
 from markupsafe import escape
 
@@ -10,8 +12,12 @@ from armodal.protocols.printable import printable
 __all__ = ["shown", "templates"]
 
 
+@cache
 def templates() -> jinja2.Environment:
-    """Return the report's templates; what is put into them is escaped and printable."""
+    """Return the report's templates; what is put into them is escaped and printable.
+
+    Made once: a page takes less time to fill in than its template to compile.
+    """
     return jinja2.Environment(
         loader=jinja2.PackageLoader("armodal.analyzer.report", "."),
         autoescape=True,

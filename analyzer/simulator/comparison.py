@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.corrected.prediction import predict_arm
+from armodal.analyzer.corrected.prediction import modes_of_arm
 from armodal.analyzer.export.exported import BELOW_HZ, ready_for_export
 from armodal.analyzer.export.frames import body_frames
 from armodal.analyzer.export.mjcf_patch import link_bodies, patched_mjcf
@@ -86,8 +86,8 @@ def compare_with_simulator(
 def _highest(arm: Arm, measured: tuple[FrequencyResponse, ...]) -> float:
     """Return the highest mode of an arm in the postures, of those below 500 Hz."""
     angles = [frf.joints_rad for frf in measured if frf.joints_rad is not None]
-    found = predict_arm(arm, np.rad2deg(angles).tolist(), below_hz=BELOW_HZ)
-    return max(float(own.modes.f_hz[-1]) for own in found)
+    found = modes_of_arm(arm, np.rad2deg(angles).tolist(), below_hz=BELOW_HZ)
+    return max(float(own.f_hz[-1]) for own in found)
 
 
 def _frfs(session: Session) -> tuple[FrequencyResponse, ...]:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from armodal.analyzer.corrected.prediction import predict_arm
+from armodal.analyzer.corrected.prediction import modes_of_arm
 from armodal.analyzer.export.exported import BELOW_HZ
 from armodal.analyzer.simulator.comparison import simulated_arm
 from armodal.analyzer.simulator.encoder_noise import read_by_noise
@@ -131,7 +131,7 @@ def _check_arms(log: MotionLog, plain: Arm, corrected: Arm) -> None:
 def _band(log: MotionLog, arm: Arm) -> tuple[float, float]:
     angles = log.angles_rad
     some = np.rad2deg(angles[:: max(1, len(angles) // 8)]).tolist()
-    modes = [own.modes.f_hz for own in predict_arm(arm, some, below_hz=BELOW_HZ)]
+    modes = [own.f_hz for own in modes_of_arm(arm, some, below_hz=BELOW_HZ)]
     low, high = _BELOW * min(f[0] for f in modes), _ABOVE * max(f[-1] for f in modes)
     if _OF_RATE * log.slowest_hz < 1.0 / _BELOW * low:
         raise EstimateError(

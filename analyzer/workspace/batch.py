@@ -88,7 +88,12 @@ class ArmBatch:
 
     def parameters(self, links: Sequence[InertialLink]) -> Array:
         """Inertial parameters (n_joints, 10) of links, one per joint, for `mass_slope`."""
-        return np.stack([_parameters(link, B) for link, B in zip(links, self._turned, strict=True)])
+        wanted = zip(range(self.n_joints), links, strict=True)
+        return np.stack([self.parameters_of(i, link) for i, link in wanted])
+
+    def parameters_of(self, joint: int, link: InertialLink) -> Array:
+        """Inertial parameters (10,) of the link that a joint moves."""
+        return _parameters(link, self._turned[joint])
 
     def mass_slope(self, joints_rad: npt.ArrayLike) -> Array:
         """Slope of the mass matrices by the links' inertial parameters.

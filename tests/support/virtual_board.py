@@ -24,7 +24,7 @@ from armodal.hil_sim.slcan_adapter import SlcanAdapter
 from armodal.hil_sim.streams import stream
 
 SEED = 1
-STEP_S = 0.001  # in which a device looks at its line once
+STEP_S = 0.004  # in which a device looks at its line once
 
 
 class RelayedLine(MemoryLine):

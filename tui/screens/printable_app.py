@@ -26,14 +26,14 @@ class _Printable(LineFilter):
     def apply(self, segments: list[Segment], background: Color) -> list[Segment]:  # noqa: ARG002
         """Return the segments of a line, their texts made printable."""
         return [
-            segment if segment.control else segment._replace(text=_in_cells(segment.text))
+            segment
+            if segment.control or segment.text.isprintable()  # nearly all are: it is quick
+            else segment._replace(text=_in_cells(segment.text))
             for segment in segments
         ]
 
 
 def _in_cells(text: str) -> str:
-    if printable(text) == text:
-        return text
     return "".join(
         sign if printable(sign) == sign else "\N{REPLACEMENT CHARACTER}" for sign in text
     )

@@ -8,6 +8,7 @@ from support.added import added, any_of, axis, with_effects
 from support.own_mjcf import own_mjcf
 from support.quick import few_quick
 
+from armodal.analyzer.export import losses
 from armodal.analyzer.export.by_mujoco import compare_frequencies
 from armodal.analyzer.export.exported import ready_for_export
 from armodal.analyzer.export.mjcf import mjcf_text
@@ -20,6 +21,7 @@ mujoco = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.usefixtures("not_apart")
 
 UR5 = load_arm("ur5")
+
 # What MuJoCo's slopes by differences of 1e-6 leave of a mode.
 EXACT = 1e-6
 # Gravity on a base of its own and on links in pieces, which the arm's equations leave out.
@@ -38,6 +40,12 @@ KINDS = {
 }
 
 
+@pytest.fixture
+def few_postures(monkeypatch):
+    """Losses as dampers are judged in few postures: no natural frequency depends on it."""
+    monkeypatch.setattr(losses, "_POSTURES", 2)
+
+
 def compared(arm, text=None, n_postures=3):
     ready = ready_for_export(arm)
     model = mujoco.MjModel.from_xml_string(text or mjcf_text(arm, ready.tree))
@@ -46,6 +54,7 @@ def compared(arm, text=None, n_postures=3):
     )
 
 
+@pytest.mark.usefixtures("few_postures")
 @pytest.mark.parametrize("kind", few_quick(KINDS, "bearing", "servo", "base", "link_torsion"))
 def test_mujoco_has_the_frequencies_of_the_arm_file(kind):
     found = compared(with_effects(UR5, any_of(UR5, kind)))
@@ -53,12 +62,14 @@ def test_mujoco_has_the_frequencies_of_the_arm_file(kind):
     assert found.n_modes >= 5
 
 
+@pytest.mark.usefixtures("few_postures")
 def test_all_at_once_on_one_arm():
     several = [any_of(UR5, kind) for kind in KINDS]
     found = compared(with_effects(UR5, axis("forearm"), *several), n_postures=2)
     assert found.largest < WITH_WEIGHT
 
 
+@pytest.mark.usefixtures("few_postures")
 def test_wrist_gears_are_a_tendon():
     arm = load_arm("viper_s650")
     found = compared(
@@ -93,6 +104,7 @@ def patched(arm, text, tmp_path):
     return patched_mjcf(arm, tree, source, tmp_path / "out.xml", mujoco)
 
 
+@pytest.mark.usefixtures("few_postures")
 def test_a_user_s_mjcf_is_patched_and_everything_of_its_own_stays(tmp_path):
     kinds = ("bearing", "base", "servo", "coupling", "link_torsion")
     arm = with_effects(UR5, axis("forearm"), *(any_of(UR5, kind) for kind in kinds))

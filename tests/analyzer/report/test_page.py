@@ -39,12 +39,12 @@ def html(path):
 
 
 @pytest.fixture(scope="module")
-def told_html(session, identified, tmp_path_factory):
+def told_html(session, one_posture, tmp_path_factory):
     """That of one with losses and warnings."""
     loss = Loss(kind="can", count=7, first_sample=None, host_s=0.0, note="frames lost")
     told = replace(session, losses=(loss,), warnings=("the tail was torn", EVIL), complete=False)
     path = tmp_path_factory.mktemp("told") / "report.html"
-    write_report(told, identified, path)
+    write_report(told, one_posture, path)
     return path.read_text(encoding="utf-8")
 
 

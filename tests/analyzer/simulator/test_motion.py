@@ -26,8 +26,19 @@ RATE_HZ, POINT = 1000.0, "1"
 Q = np.array([0.2, 0.5, 1.0, 0.1, 0.6, 0.0])
 
 
-def logged(corrected, seconds=5.0):
+def logged(corrected, seconds=4.0):
     return linear_log(corrected, Q, point=POINT, seconds=seconds, rate_hz=RATE_HZ)
+
+
+@pytest.fixture(scope="module")
+def corrected(arm):
+    return with_effects(arm, axis("shoulder"))
+
+
+@pytest.fixture(scope="module")
+def log(corrected):
+    """What the corrected arm's accelerometer reads."""
+    return logged(corrected)
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +49,7 @@ def model(arm, tmp_path_factory):
 
 
 @pytest.mark.long
-def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, model):
-    corrected = with_effects(arm, axis("shoulder"))
+def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, corrected, model):
     true, null = (
         compare_with_motion(logged(own), arm, corrected, model, mujoco, lambda _: None)[0]
         for own in (corrected, arm)
@@ -51,9 +61,9 @@ def test_the_gap_closes_for_the_true_effect_and_not_for_a_null(arm, model):
     assert null.error_after > 0.1
 
 
-def test_a_page_shows_measured_plain_and_corrected_in_time_and_by_frequency(arm, model):
-    corrected = with_effects(arm, axis("shoulder"))
-    log = logged(corrected)
+def test_a_page_shows_measured_plain_and_corrected_in_time_and_by_frequency(
+    arm, corrected, log, model
+):
     (row,) = compare_with_motion(log, arm, corrected, model, mujoco, lambda _: None)
     assert len(row.time_s) == len(row.measured_m_s2) == len(row.before_m_s2)
     off = row.after_m_s2 - row.measured_m_s2
@@ -92,10 +102,8 @@ def test_a_short_or_slow_log_is_refused(arm, model):
 
 
 def test_drives_follow_commands_where_encoders_are_too_noisy_and_without_them_it_is_refused(
-    arm, model
+    arm, corrected, log, model
 ):
-    corrected = with_effects(arm, axis("shoulder"))
-    log = logged(corrected)
     noise = np.random.default_rng(1).normal(0.0, 1e-5, log.encoder_rad.shape)
     noisy = replace(log, encoder_rad=log.encoder_rad + noise)
     said = []

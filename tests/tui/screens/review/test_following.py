@@ -19,9 +19,16 @@ from armodal.tui.screens.review.following import FollowedJournal
 
 @pytest.fixture(scope="module")
 def hits(session):
-    """Those of the first two postures, four a point, in order."""
-    names = [posture.name for posture in session.header.plan.postures[:2]]
-    return [[hit for hit in session.hits if hit.posture == name] for name in names]
+    """Those of the first two postures at every other point, four a point, in order."""
+    postures = session.header.plan.postures[:2]
+    return [
+        [
+            hit
+            for hit in session.hits
+            if hit.posture == own.name and hit.sensor_point in own.points[::2]
+        ]
+        for own in postures
+    ]
 
 
 @pytest.fixture

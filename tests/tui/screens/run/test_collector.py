@@ -31,6 +31,7 @@ def _as_in_a_program(freezing: None) -> Iterator[None]:
 @pytest.fixture
 def collector(monkeypatch: pytest.MonkeyPatch) -> Iterator[CalmCollector]:
     """What the tests have loaded stays left out: to look at it takes long."""
+    gc.freeze()
     monkeypatch.setattr(gc, "unfreeze", lambda: None)
     calm = CalmCollector()
     calm.begin(100.0)
