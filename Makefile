@@ -10,7 +10,7 @@ DEVICE_LIBRARY := protocols/c/build/libarmodal_board.so
 DEVICE_SOURCES := $(wildcard protocols/c/src/* protocols/c/include/*) protocols/c/build.py
 # A file at a time: what its tests share is made once. One more than processors: where one waits for
 # a device another computes.
-WORKERS = -n $(shell $(PYTHON) -c 'import os; print((os.cpu_count() or 1) + 1)') --dist loadfile
+WORKERS = -n $(shell $(BIN)/python -c 'import os; print((os.cpu_count() or 1) + 1)') --dist loadfile
 # Matrices here are small: one BLAS thread is faster than many.
 export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
