@@ -14,6 +14,7 @@ import importlib
 import json
 import os
 import select
+import shutil
 import signal
 import socket
 import sys
@@ -53,6 +54,9 @@ LIBRARIES = (
 )
 
 
+_LONG_S = 60.0  # for a session of one posture: what goes wrong in a thread must end it
+
+
 class _Lacking(MetaPathFinder):
     """Says of some modules that they are not there."""
 
@@ -69,6 +73,12 @@ def take_away(without: Iterable[str]) -> None:
     """Take away what Windows has not, and the modules in `without`."""
     for name in LIBRARIES.split():
         importlib.import_module(name)
+    # No function there takes a folder that is open: `shutil` looks once, as it is loaded.
+    os.supports_dir_fd.clear()
+    os.supports_fd.clear()
+    importlib.reload(shutil)
+    if hasattr(os, "process_cpu_count"):  # from 3.13 on, which asks Unix for its affinity
+        os.process_cpu_count = os.cpu_count
     gone = {*MODULES.split(), *without}
     for name in gone:
         sys.modules.pop(name, None)
@@ -83,7 +93,7 @@ def take_away(without: Iterable[str]) -> None:
 async def _reviewed(path: str) -> list[int]:
     """Open a session in `armodal review`; return how many modes it shows in each posture."""
     app = importlib.import_module("armodal.tui.screens.review.app").ReviewApp(Path(path))
-    async with app.run_test() as pilot:
+    async with asyncio.timeout(_LONG_S), app.run_test() as pilot:
         while app.state is None or any(
             view.model is None and not view.problem for view in app.state.views
         ):
