@@ -107,7 +107,7 @@ def beside_rivals(
         if quick.evidence - quick.promised > fit.evidence or is_also(quick, fit):
             continue
         ended = fit_hypothesis(stage, instead, resumed=quick)
-        if ended.evidence < fit.evidence:
+        if ended.evidence < fit.evidence and _is_worth_it(ended, fit):
             named = [_renamed(step, {last.key: new}) for step in named]
             fit, last = ended, new
     return fit, named
@@ -139,6 +139,14 @@ def _rather_than(
                 fit, swapped[old.key] = ended, new
                 break
     return fit, swapped
+
+
+def _is_worth_it(new: Fit, old: Fit) -> bool:
+    """Whether another last name is large enough, or the one that it would replace was not either.
+
+    What holds the old one inside it always comes nearer to the data, by something too small.
+    """
+    return new.last.is_material(new.values) or not old.last.is_material(old.values)
 
 
 def _taken_out(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:

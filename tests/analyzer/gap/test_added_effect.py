@@ -180,3 +180,20 @@ def test_a_rival_takes_the_name_where_mountings_err_as_the_better_model_foretell
     )
     assert kept.last is axis
     assert step.fit.last is axis
+
+
+@pytest.mark.parametrize(("size", "is_taken"), [(0.4, False), (0.6, True)])
+def test_what_holds_the_name_inside_it_takes_it_only_where_the_rest_is_large_enough(
+    size, is_taken, monkeypatch
+):
+    """Wrist gears beside the joint they drive: a ratio of nearly nothing is nearer all the same."""
+    words = SimpleNamespace(name="made", title="")
+    joint = Instance(effect=words, place="joint", size="ordinary")
+    gears = Instance(effect=words, place="gears", size="axis l1", material=0.5e-6)
+
+    def fitted(stage, hypothesis, *, resumed=None, **_):
+        return resumed or made_fit(hypothesis, cost=90.0, space=SPACE, u=[0.0, size])
+
+    monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
+    better, _ = beside_rivals(object(), fit_of(joint), [fit_of(gears)], [step_to(fit_of(joint))])
+    assert better.last is (gears if is_taken else joint)
