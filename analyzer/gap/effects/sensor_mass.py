@@ -22,7 +22,7 @@ WORDS = EffectWords(
     remedy="weigh the sensor with its magnet and the cable it carries; put that in the plan",
 )
 _MATERIAL_KG = 0.01
-_STD_KG = 0.1
+_STD_KG = 1.0  # a magnet, a base and the cable that hangs on them: from grams to some kilograms
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
