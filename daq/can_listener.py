@@ -268,7 +268,7 @@ class PythonCanListener:
         self._shutdown = bus.shutdown
         try:
             self._fd = int(bus.fileno())
-        except (NotImplementedError, can.CanError, OSError):
+        except (NotImplementedError, can.CanError, OSError):  # an interface without a descriptor
             self._fd = -1
 
     def fileno(self) -> int:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.decision.calibration import Calibration
-from armodal.analyzer.gap.decision.judge import Judged, is_also, matters
+from armodal.analyzer.gap.decision.judge import Judged, is_plainer, matters
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut
 from armodal.analyzer.gap.library import together
@@ -104,10 +104,12 @@ def beside_rivals(
             continue
         instead = replace(fit.hypothesis, instances=(*before, new))
         quick = fit_hypothesis(stage, instead, start=other.values, max_iterations=STEPS)
-        if quick.evidence - quick.promised > fit.evidence or is_also(quick, fit):
+        if quick.evidence - quick.promised > fit.evidence:
             continue
         ended = fit_hypothesis(stage, instead, resumed=quick)
-        if ended.evidence < fit.evidence and _is_worth_it(ended, fit):
+        if not _is_worth_it(ended, fit) or is_plainer(fit, ended, named[-1].without):
+            continue
+        if ended.evidence < fit.evidence:
             named = [_renamed(step, {last.key: new}) for step in named]
             fit, last = ended, new
     return fit, named

@@ -29,9 +29,8 @@ __all__ = [
     "Thresholds",
     "ends_alike",
     "follows_no_level",
-    "is_also",
-    "is_as_good",
     "is_certain",
+    "is_plainer",
     "judge",
     "limit_of",
     "matters",
@@ -154,34 +153,29 @@ def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> floa
 def _plainest(material: Sequence[Fit], present: Fit, phi: float) -> Fit:
     """The best; where that is an axis, the released joint on which it lies.
 
-    Or the bearing at an end of its link while much else is missing: what the axis, with three
-    parameters more, is better by then, is of that.
+    Or the bearing at an end of its link while much else is missing: what the axis, with more
+    parameters, is better by then, is of that.
     """
     best = material[0]
     gain = present.evidence - best.evidence
     near = (
         r
         for r in material
-        if (is_also(best, r) and is_as_good(r.evidence - best.evidence, gain))
+        if is_plainer(r, best, present)
         or (_at_an_end(best, r, phi) and r.evidence - best.evidence < _SLIGHT_PART * gain)
     )
     return next(near, best)
 
 
-def is_as_good(behind: float, gain: float) -> bool:
-    """Whether a joint believed rigid, released, is the likelier name than an axis on it.
+def is_plainer(joint: Fit, axis: Fit, present: Fit) -> bool:
+    """Whether a joint believed rigid, released, is the likelier name than an axis that lies on it.
 
-    A line in the link that happens to lie there is rare. What four parameters more explain, when
-    most is explained, are errors of the right model; they grow with what was missing.
-
-    Parameters
-    ----------
-    behind
-        Nats by which the axis, with three parameters more, is better.
-    gain
-        Nats that the axis brings.
+    A line in the link that happens to lie there is rare. What its four parameters of place explain
+    besides, where most is explained, are errors of the right model; they grow with what was
+    missing, which `present` has not.
     """
-    return behind < _PART_OF_GAIN * gain
+    gain = present.evidence - axis.evidence
+    return _is_also(axis, joint) and joint.evidence - axis.evidence < _PART_OF_GAIN * gain
 
 
 def is_certain(fit: Fit) -> bool:
@@ -223,7 +217,7 @@ def follows_no_level(hypothesis: Hypothesis) -> bool:
 
 def _same(one: Fit, other: Fit) -> bool:
     a, b = one.last, other.last
-    if a.key == b.key or is_also(one, other) or is_also(other, one):
+    if a.key == b.key or _is_also(one, other) or _is_also(other, one):
         return True
     return ends_alike(a, b)
 
@@ -248,7 +242,7 @@ def _at_an_end(inside: Fit, end: Fit, phi: float) -> bool:
     return phi > _MUCH_ELSE and end.last.key in inside.last.at_its_ends
 
 
-def is_also(one: Fit, other: Fit) -> bool:
+def _is_also(one: Fit, other: Fit) -> bool:
     """Whether by the values of one the other is the same thing, told better."""
-    of_values = one.last.is_also
-    return of_values is not None and of_values(one.values, other.last)
+    is_also = one.last.is_also
+    return is_also is not None and is_also(one.values, other.last)

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.model.assembly import System
-from armodal.analyzer.gap.model.response import Response, of_hits, real_times
+from armodal.analyzer.gap.model.line_arrays import of_hits, real_times
+from armodal.analyzer.gap.model.response import Response
 
 __all__ = ["Change", "by_change", "by_decay"]
 

@@ -18,9 +18,10 @@ from armodal.analyzer.gap.model.assembly import BASE, Assembly
 from armodal.analyzer.gap.model.change import Change, by_change, by_decay
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.line_arrays import as_single, real_times
 from armodal.analyzer.gap.model.motion_derivatives import by_motion, by_slopes
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.response import Response, as_single, real_times
+from armodal.analyzer.gap.model.response import Response
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.systems import angle_slopes, motion_slopes, systems
 

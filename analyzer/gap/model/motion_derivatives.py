@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.response import Response, of_hits, real_times
+from armodal.analyzer.gap.model.line_arrays import of_hits, real_times
+from armodal.analyzer.gap.model.response import Response
 from armodal.analyzer.gap.model.systems import MotionSlopes, Slopes
 
 __all__ = ["by_motion", "by_slopes"]

@@ -37,15 +37,20 @@ from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses, resists
 from armodal.analyzer.gap.model.geometry import skew
+from armodal.analyzer.gap.model.line_arrays import (
+    as_single,
+    inverses_of_three,
+    lines_last,
+    of_hits,
+    real_times,
+)
 
-__all__ = ["Response", "as_single", "of_hits", "real_times", "respond"]
+__all__ = ["Response", "respond"]
 
 Array = npt.NDArray[np.floating[Any]]
 Indices = npt.NDArray[np.int64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
-_SINGLE = {np.dtype(np.float64): np.float32, np.dtype(np.complex128): np.complex64}
 
-_TURN = ((1, 2), (2, 0), (0, 1))  # axes of a cross product's parts
 _SENSIBLE = 1e3  # m/N or rad/N: products of two such, with masses and s^2, are below 1e38
 _AS_LOCKED = 1e-15  # rad/(N m) or m/N: less is divided by nowhere
 
@@ -81,7 +86,7 @@ class Response:
         seen, tilted = (
             (system.mix @ of).reshape(P, 1, m * 3, n) for of in (system.seen, system.tilted)
         )
-        Y0 = _lines_last(np.matmul(s2 * seen + tilted, self.H), m)
+        Y0 = lines_last(np.matmul(s2 * seen + tilted, self.H), m)
         Y0U = real_times(system.moved, Y0.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
         for c in range(3):
             load = sum(Y0U[:, :, b] * self.S[:, :, b, c, None] for b in range(3))  # (P, m, 3, L)
@@ -329,11 +334,6 @@ class Response:
         return np.stack([-real_times(rows, turn) for rows in turns])
 
 
-def as_single(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Floating-point values in single precision."""
-    return values.astype(_SINGLE[values.dtype])
-
-
 def _in_single(system: System) -> System:
     arrays = (f.name for f in fields(system) if f.name != "pieces")
     pieces = {
@@ -344,41 +344,9 @@ def _in_single(system: System) -> System:
     )
 
 
-def real_times(real: Array, z: ComplexArray) -> ComplexArray:
-    """Real (..., k, n) by complex (..., n, L), its lines contiguous: (..., k, L)."""
-    return np.asarray(np.matmul(real, z.view(z.real.dtype)).view(z.dtype))
-
-
-def _lines_last(rows: ComplexArray, m: int) -> ComplexArray:
-    """(P, L, m * 3, n) to (P, m, n, 3, L), contiguous."""
-    P, L, _, n = rows.shape
-    return np.ascontiguousarray(rows.reshape(P, L, m, 3, n).transpose(0, 2, 4, 3, 1))
-
-
-def of_hits(by_hit: npt.NDArray[Any], hit: npt.NDArray[np.int64]) -> npt.NDArray[Any]:
-    """(P, n_hits, ...) to (P, m, ...): each mounting's own hit."""
-    if by_hit.shape[1] == 1:
-        return np.broadcast_to(by_hit, (*hit.shape, *by_hit.shape[2:]))
-    return np.asarray(by_hit[np.arange(len(hit))[:, None], hit])
-
-
 def _hit_forces(system: System) -> Array:
     """(P, n_hits, n) generalised forces."""
     return np.asarray((system.force[:, :, None] @ system.hit)[:, :, 0])
-
-
-def _inverse(M: ComplexArray) -> ComplexArray:
-    """Inverses of matrices (..., 3, 3, L), by cross products of their rows."""
-    a, b, c = (M[..., i, :, :] for i in range(3))
-    columns = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)], axis=-2)
-    return np.asarray(columns / np.sum(a * columns[..., 0, :], axis=-2)[..., None, None, :])
-
-
-def _cross(a: ComplexArray, b: ComplexArray) -> ComplexArray:
-    """(..., 3, L)."""
-    return np.stack(
-        [a[..., i, :] * b[..., j, :] - a[..., j, :] * b[..., i, :] for i, j in _TURN], axis=-2
-    )
 
 
 def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -> Response:
@@ -400,10 +368,10 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
     U = system.moved  # (P, m, 3, n)
     P, m, _, n = U.shape
     L = s.shape[1]
-    HU = _lines_last(real_times(U.reshape(P, 1, m * 3, n), H), m)
+    HU = lines_last(real_times(U.reshape(P, 1, m * 3, n), H), m)
     ms2 = (system.sensor_mass_kg[:, None] * s**2)[:, None, None, None]
     UHU = real_times(U, HU.reshape(P, m, n, 3 * L)).reshape(P, m, 3, 3, L)
-    S = ms2 * _inverse(np.eye(3)[..., None] + ms2 * UHU)
+    S = ms2 * inverses_of_three(np.eye(3)[..., None] + ms2 * UHU)
     by_hit = np.matmul(_hit_forces(system)[:, None], H)  # (P, L, n_hits, n)
     x0 = of_hits(np.ascontiguousarray(by_hit.transpose(0, 2, 3, 1)), hit)  # (P, m, n, L)
     Ux = real_times(U, x0)  # (P, m, 3, L)

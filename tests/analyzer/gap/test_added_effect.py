@@ -197,3 +197,19 @@ def test_what_holds_the_name_inside_it_takes_it_only_where_the_rest_is_large_eno
     monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
     better, _ = beside_rivals(object(), fit_of(joint), [fit_of(gears)], [step_to(fit_of(joint))])
     assert better.last is (gears if is_taken else joint)
+
+
+@pytest.mark.parametrize(("behind", "is_taken"), [(50.0, False), (500.0, True)])
+def test_an_axis_that_lies_on_the_named_joint_takes_its_name_only_by_much(
+    behind, is_taken, monkeypatch
+):
+    words = SimpleNamespace(name="made", title="")
+    joint = Instance(effect=words, place="joint")
+    axis = Instance(effect=words, place="axis", is_also=lambda _values, other: other is joint)
+
+    def fitted(stage, hypothesis, *, resumed=None, **_):
+        return resumed or fit_to(hypothesis, 100.0 - behind)
+
+    monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)  # without either: 1100 nats
+    better, _ = beside_rivals(object(), fit_of(joint), [fit_of(axis)], [step_to(fit_of(joint))])
+    assert better.last is (axis if is_taken else joint)

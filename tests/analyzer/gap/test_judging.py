@@ -12,8 +12,8 @@ from support.made_gap_fits import made_fit
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import (
     Thresholds,
-    is_as_good,
     is_certain,
+    is_plainer,
     judge,
     one_mechanism,
 )
@@ -261,9 +261,14 @@ def test_an_axis_of_uncertain_size_is_only_a_patch():
     assert not is_certain(fitted(0.28, 0.02))
 
 
-def test_a_joint_believed_rigid_is_the_name_only_where_an_axis_explains_little_more():
-    assert is_as_good(1000.0, gain=50_000.0)  # four parameters take up some error
-    assert not is_as_good(50.0, gain=300.0)  # a sixth of all there is
+@pytest.mark.parametrize(("behind", "is_joint"), [(50.0, True), (150.0, False)])
+def test_a_joint_believed_rigid_is_the_name_only_where_an_axis_on_it_explains_little_more(
+    behind, is_joint
+):
+    line = with_changed(axis(ORDINARY.evidence - 1000.0), is_also=lambda *_: True)
+    joint = rival(released_joint.WORDS, "j1", line.evidence + behind)
+    assert is_plainer(joint, line, ORDINARY) == is_joint
+    assert not is_plainer(joint, with_changed(line, is_also=lambda *_: False), ORDINARY)
 
 
 @pytest.mark.parametrize(("gain", "is_named"), [(500.0, False), (1500.0, True)])

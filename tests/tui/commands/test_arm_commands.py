@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from support.computed_once import computed_once
 from typer.testing import CliRunner
 
 from armodal.protocols.arm.files import ARMS_DIRECTORY, load_arm
@@ -39,14 +40,7 @@ def refused(*arguments: str) -> str:
 def told_to_machines_and_people(monkeypatch, module, name, *arguments):
     """Return what a command prints with and without `--json`; it computes `name` once for both."""
     where = import_module(f"armodal.tui.commands.{module}")
-    compute, kept = getattr(where, name), []
-
-    def once(*given, **named):
-        if not kept:
-            kept.append(compute(*given, **named))
-        return kept[0]
-
-    monkeypatch.setattr(where, name, once)
+    monkeypatch.setattr(where, name, computed_once(getattr(where, name)))
     value = value_of(*arguments, "--json")
     if "--out" in arguments:
         Path(arguments[arguments.index("--out") + 1]).unlink()

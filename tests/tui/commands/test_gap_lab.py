@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 from support.chain_arm import chain_arm_text
+from support.computed_once import computed_once
 from support.gap_results import made_result
 from support.small_case import small_case
 from typer.testing import CliRunner
@@ -136,13 +137,7 @@ def test_a_plan_that_cannot_size_an_effect_is_refused(tmp_path):
 def test_the_command_hits_at_levels_names_the_joint_and_tells_every_test_and_why(
     laboratory, tmp_path, monkeypatch
 ):
-    done = []
-
-    def once(*given, **named):
-        done[:] = done or [run_loop(*given, **named)]
-        return done[0]
-
-    monkeypatch.setattr(armodal.tui.commands.gap, "run_loop", once)
+    monkeypatch.setattr(armodal.tui.commands.gap, "run_loop", computed_once(run_loop))
     folder = tmp_path / "lab"
     asked = [*laboratory, "--budget", "1"]
     result = CliRunner().invoke(app, [*asked, "--magnitude", "clear", "--json"])

@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from support.computed_once import computed_once
 from support.viper_session import true_values, viper_session
 from typer.testing import CliRunner
 
@@ -30,13 +31,7 @@ def session_file(tmp_path_factory):
 @pytest.fixture(scope="module", autouse=True)
 def identified(session_file):
     """What every command here identifies, once for all: by the first that asks."""
-    kept = []
-
-    def once(*given, **named):
-        if not kept:
-            kept.append(identify(*given, **named))
-        return kept[0]
-
+    once = computed_once(identify)
     with pytest.MonkeyPatch.context() as patch:
         for command in ("identify", "predict", "report"):
             module = import_module(f"armodal.tui.commands.{command}")

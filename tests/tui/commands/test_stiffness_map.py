@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from support.computed_once import computed_once
 from typer.testing import CliRunner
 
 from armodal.protocols.errors import ArmodalError
@@ -15,18 +16,6 @@ from armodal.tui.commands import stiffness_map
 
 def run(*arguments):
     return CliRunner().invoke(app, ["stiffness-map", *map(str, arguments)])
-
-
-def once(compute):
-    """Compute what a command tells to machines and to people for both."""
-    kept = []
-
-    def first(*given, **named):
-        if not kept:
-            kept.append(compute(*given, **named))
-        return kept[0]
-
-    return first
 
 
 def test_a_path_becomes_a_table_a_page_and_an_object(tmp_path):
@@ -51,7 +40,9 @@ def test_the_plane_names_an_elbow_for_every_place():
 def test_the_best_angle_of_a_tool_that_may_turn_is_told_beside_the_given_one(
     tmp_path, monkeypatch, lines
 ):
-    monkeypatch.setattr(stiffness_map, "stiffest_angle", once(stiffness_map.stiffest_angle))
+    monkeypatch.setattr(
+        stiffness_map, "stiffest_angle", computed_once(stiffness_map.stiffest_angle)
+    )
     path, html = tmp_path / "p.csv", tmp_path / "s.html"
     path.write_text("0,-60,160,20,50,0\n10,-40,140,0,60,0\n"[: 18 * lines])
     arguments = (
