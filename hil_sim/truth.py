@@ -6,13 +6,14 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-__all__ = ["Interval", "NotNegative", "Positive", "Probability", "Truth", "Vector"]
+__all__ = ["Interval", "NotNegative", "Part", "Positive", "Probability", "Truth", "Vector"]
 
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]
 Interval = Annotated[tuple[float, float], Field(strict=False)]
 Positive = Annotated[float, Field(gt=0.0)]
 NotNegative = Annotated[float, Field(ge=0.0)]
-Probability = Annotated[float, Field(ge=0.0, le=1.0)]
+Part = Annotated[float, Field(ge=0.0, le=1.0)]
+Probability = Part
 
 
 class Truth(BaseModel):

@@ -12,7 +12,7 @@ from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import spring_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.linear import LinearTerms
-from armodal.hil_sim.truth import NotNegative, Positive, Vector
+from armodal.hil_sim.truth import NotNegative, Part, Positive, Vector
 
 __all__ = ["OF_FILE", "GravityCompensator", "lever_arms"]
 
@@ -38,9 +38,9 @@ def lever_arms(axis: Array, anchor: Array, eye: Array) -> tuple[float, float, fl
 class GravityCompensator(BaseEffect):
     """A cylinder from the link before a joint to the joint's link, with a spring inside.
 
-    It pulls with `tension_n` at length `length_m` and more by its stiffness when longer, or with
-    the same tension in every posture where no length is given (a gas cylinder on its supply, stiff
-    only for quick motion). What its torque carries the drive does not; its stiffness about the
+    It pulls with `tension_n` at length `length_m` and when longer by a part of its stiffness more
+    (`grows`: a spring by all of it), or with the same tension in every posture where no length is
+    given (a gas cylinder on its supply, stiff only for quick motion). What its torque carries the drive does not; its stiffness about the
     joint, k L'^2 + F L'', changes with the posture.
     """
 
@@ -50,6 +50,7 @@ class GravityCompensator(BaseEffect):
     eye_m: Vector  # on the joint's link, its frame
     tension_n: float
     length_m: Positive | None = None
+    grows: Part = 1.0
     stiffness_n_per_m: NotNegative
     damping_n_s_per_m: NotNegative = 0.0
 
@@ -70,17 +71,18 @@ class GravityCompensator(BaseEffect):
         )
         tension = self.tension_n
         if self.length_m is not None:
-            tension += self.stiffness_n_per_m * (length - self.length_m)
+            tension += self.grows * self.stiffness_n_per_m * (length - self.length_m)
         terms.K[i, i] += self.stiffness_n_per_m * first**2 + tension * second
         terms.C[i, i] += self.damping_n_s_per_m * first**2
         terms.load[self.joint] += tension * first
 
 
 def _of_file(own: FileEffect) -> Twin:
-    """A cylinder without tension that is as stiff about the joint in every posture.
+    """A cylinder with one end at the joint's height.
 
-    The file has its stiffness where it is square to the shorter lever, over the joint's; the
-    levers' ratio; and the angle between them while the joint stands at zero.
+    The file has its stiffness times the shorter lever squared, over the joint's; the levers' ratio
+    and the angle between them while the joint stands at zero; how far apart the ends are along the
+    axis; and how it is stretched at a right angle, and pulls more when longer.
     """
     joint = own.joint
     axis = own.turned[joint.link.name] @ np.asarray(joint.axis)
@@ -90,12 +92,16 @@ def _of_file(own: FileEffect) -> Twin:
     across = np.linalg.svd(axis[None])[2][1]
     turned = np.cos(angle) * across - np.sin(angle) * np.cross(axis, across)
     k = own.sizes["compensator_stiffness"] * spring_of(own) / _EYE_M**2
+    aside = own.sizes.get("compensator_aside", 0.0)
+    right_m = eye_m * float(np.sqrt(1.0 + ratio**2 + aside))
     table = {
         "kind": "gravity_compensator",
         "joint": joint.name,
-        "anchor_m": tuple(ratio * eye_m * turned),
+        "anchor_m": tuple(ratio * eye_m * turned + np.sqrt(aside) * eye_m * axis),
         "eye_m": tuple(eye_m * across),
-        "tension_n": 0.0,
+        "tension_n": k * own.sizes.get("compensator_stretch", 0.0) * right_m,
+        "length_m": right_m,
+        "grows": own.sizes.get("compensator_growth", 0.0),
         "stiffness_n_per_m": k,
         "damping_n_s_per_m": own.sizes.get("compensator_loss", 0.0) * k,
     }

@@ -48,14 +48,14 @@ def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> 
         )
         q = np.array([lines.joints_rad[joint] for lines in stage.lines])
         grid = [(angle, ratio) for ratio in _RATIOS for angle in _ANGLES]
-        w = np.stack([gravity_compensator.share(q + a, r) for a, r in grid])
+        w = np.stack([gravity_compensator.shares(q + a, r)[0] for a, r in grid])
         w = w * scale / fit.space.std[at] * gravity_compensator.STD
         slope = w @ gradient[:, at]
         B = w @ curvature[:, at][:, free]  # (n_grid, n_free)
         follow = np.linalg.solve(A, B.T).T
         left = w**2 @ curvature[:, at, at] + 1.0 - np.sum(B * follow, axis=1)
         gain = np.where(slope < 0.0, 0.5 * slope**2 / left, 0.0)
-        stiff, _, angle, ratio = gravity_compensator.names_at(instance.place)
+        stiff, _, angle, ratio, *_ = gravity_compensator.names_at(instance.place)
         for i in _peaks(gain.reshape(len(_RATIOS), len(_ANGLES))):
             step = -slope[i] / left[i]
             u = fit.u.copy()

@@ -58,7 +58,7 @@ def modal(standing: Standing, highest_hz: float = HIGHEST_HZ) -> Modal:
     """
     structure = standing.structure
     K, lost = structure.stiffness()
-    K += structure.under_weight(GRAVITY_M_S2)
+    K += structure.under_load(GRAVITY_M_S2)
     M = structure.mass()
     inverse, shapes = linalg.eigh(M, K)
     kept = inverse > (2.0 * np.pi * highest_hz) ** -2

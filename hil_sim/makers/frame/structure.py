@@ -36,6 +36,7 @@ class Structure:
     masses: list[tuple[Rows, Array]] = field(default_factory=list)
     laws: list[tuple[Array, Law]] = field(default_factory=list)  # (n,) vector, law
     weights: list[tuple[int, Array, float]] = field(default_factory=list)  # node, place, mass
+    pulls: list[tuple[Spot, Array]] = field(default_factory=list)  # steady force (3,), world
     carried: list[tuple[int, int, bool]] = field(default_factory=list)  # node, before it, jointed
     turning: list[tuple[Array, float]] = field(default_factory=list)  # vector, inertia
 
@@ -111,8 +112,8 @@ class Structure:
                 lost[np.ix_(rows, rows)] += loss * part
         return K, lost
 
-    def under_weight(self, gravity_m_s2: Array) -> Array:
-        """Stiffness that the weight adds, (n, n), as the structure is a tree of stiff pieces.
+    def under_load(self, gravity_m_s2: Array) -> Array:
+        """Stiffness that weight and pulls add, (n, n), as the structure is a tree of stiff pieces.
 
         A piece L that carries a force f turns by the rotation vector of its ends' mean: its end
         moves by theta x (theta x L) / 2 besides. Where two nodes at one place pass on a moment m,
@@ -123,12 +124,13 @@ class Structure:
         K = np.zeros((self.size, self.size))
         force = [np.zeros(3) for _ in self.nodes]  # beyond a node, itself in it
         moment = [np.zeros(3) for _ in self.nodes]  # about the node
-        for node, place, mass in self.weights:
-            arm, weight = place - self.nodes[node], mass * gravity_m_s2
-            force[node] += weight
-            moment[node] += np.cross(arm, weight)
+        loads = [(n, at - self.nodes[n], mass * gravity_m_s2) for n, at, mass in self.weights]
+        loads += [(spot.node, spot.arm_m, pull) for spot, pull in self.pulls if spot.node >= 0]
+        for node, arm, load in loads:
+            force[node] += load
+            moment[node] += np.cross(arm, load)
             rows = _rows(node)[3:]
-            K[np.ix_(rows, rows)] += _pulled(arm, weight)
+            K[np.ix_(rows, rows)] += _pulled(arm, load)
         for node, before, jointed in reversed(self.carried):
             if before < 0:
                 continue

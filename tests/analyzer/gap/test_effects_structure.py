@@ -7,7 +7,7 @@ import pytest
 from support.bench_effects import JOINTS, instance_of, start_of
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.effects.gravity_compensator import share
+from armodal.analyzer.gap.effects.gravity_compensator import shares
 from armodal.analyzer.gap.effects.load_damping import gravity_load
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
 from armodal.analyzer.gap.library import all_instances
@@ -65,15 +65,30 @@ def test_load_damping_adds_to_the_joint_s_own_by_its_load(superset, ordinary, li
 
 
 @pytest.mark.parametrize("ratio", [0.7, 1.5])
-def test_a_compensator_is_as_stiff_as_the_square_of_its_lever(ratio):
-    """k L'^2 over k min(r_a, r_b)^2, L from the law of cosines, L' by differences."""
-    phi = np.linspace(0.3, 2.9, 7)
+def test_a_compensator_is_as_stiff_as_its_energy_curves(ratio):
+    """Over k min(r_a, r_b)^2, by differences; the length from the law of cosines.
+
+    Differences of a step of 1e-3 leave 1e-6 of the curvature.
+    """
+    phi, step = np.linspace(0.3, 2.9, 7), 1e-3
+    aside, stretch, growth = 0.2, 0.1, 0.6
+    shorter = min(1.0, ratio) ** 2
+    right = np.sqrt(1.0 + ratio**2 + aside)
 
     def length(angle):
-        return np.sqrt(1.0 + ratio**2 - 2.0 * ratio * np.cos(angle))
+        return np.sqrt(right**2 - 2.0 * ratio * np.cos(angle))
 
-    slope = (length(phi + 1e-5) - length(phi - 1e-5)) / 2e-5
-    np.testing.assert_allclose(share(phi, ratio), slope**2 / min(1.0, ratio) ** 2, rtol=1e-6)
+    def energy(angle):
+        """Of a steady pull and a spring; what of k does not grow turns by the lever alone."""
+        pull = stretch * right - growth * right
+        return pull * length(angle) + 0.5 * growth * length(angle) ** 2
+
+    curved = (energy(phi + step) - 2.0 * energy(phi) + energy(phi - step)) / step**2
+    slope = (length(phi + step) - length(phi - step)) / (2.0 * step)
+    stiffens, damps = shares(phi, ratio, aside, stretch, growth)
+    np.testing.assert_allclose(damps, slope**2 / shorter, rtol=1e-5)
+    expected = (curved + (1.0 - growth) * slope**2) / shorter
+    np.testing.assert_allclose(stiffens, expected, rtol=1e-5)
 
 
 def test_wound_wrist_gears_are_a_stiff_spring_on_both_turns(superset, ordinary, lines, posed):

@@ -9,11 +9,13 @@ import pytest
 
 from armodal.hil_sim.makers.arms import ARMS
 from armodal.hil_sim.makers.frame import modal as modal_module
+from armodal.hil_sim.makers.frame.effects.gravity_compensator import pulled
 from armodal.hil_sim.makers.frame.frfs import felt_per_wrench
 from armodal.hil_sim.makers.frame.modal import modal
 from armodal.hil_sim.makers.frame.standing import stand
 from armodal.hil_sim.makers.mujoco.compiled import compiled, jacobian
 from armodal.hil_sim.makers.mujoco.laboratory import site_jacobian
+from armodal.hil_sim.makers.mujoco.machine import Spring
 from armodal.hil_sim.makers.mujoco.small_signal import frequencies_hz, small_signal
 
 STEP_S = 4e-4  # no step is taken
@@ -39,6 +41,29 @@ def test_gravity_matters_in_that_comparison(ideal, monkeypatch):
     monkeypatch.setattr(modal_module, "GRAVITY_M_S2", np.zeros(3))
     weightless = modal(stand(arm.parts(), arm.angles(2))).frequencies_hz[:7]
     assert np.max(np.abs(weighed - weightless)) > 0.05  # five times what is allowed above
+
+
+def test_a_pulling_spring_is_the_same_on_both(ideal):
+    """Beside a soft drive; what its pull does to the structure is of the joint's own size."""
+    arm, posture = ideal("ur10e", soft=0.05), 2
+    anchor, eye, k, strain = np.array([0.1, -0.05, 0.16]), np.array([-0.2, 0.0, 0.15]), 4e4, 0.2
+    links = [row.link for row in arm.table.links[:2]]
+    frequencies = []
+    for part in (0.0, strain):
+        machine, parts = arm.machine(), arm.parts()
+        parts.last.append(pulled((links[0], anchor), (links[1], eye), k, part))
+        standing = stand(parts, arm.angles(posture))
+        ends = standing.place(links[0], anchor), standing.place(links[1], eye)
+        rest_m = (1.0 - part) * float(np.linalg.norm(ends[1] - ends[0]))
+        ends = (links[0], anchor), (links[1], eye)
+        machine.springs.append(Spring(name="spring", ends=ends, stiffness=k, rest_m=rest_m))
+        plant = compiled(machine, arm.by_joint(posture), STEP_S)
+        expected = frequencies_hz(small_signal(plant))
+        found = modal(standing).frequencies_hz[: len(expected)]
+        np.testing.assert_allclose(found, expected, atol=0.01)
+        frequencies.append(found)
+    loose, tight = frequencies
+    assert np.max(np.abs(tight - loose)) > 0.05  # five times what is allowed above
 
 
 def test_sensors_of_a_rigid_frame_feel_what_mujocos_do(ideal):

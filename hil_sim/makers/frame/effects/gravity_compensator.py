@@ -1,8 +1,10 @@
 """A gas spring beside the second joint: stiffness along its line, force across it."""
 
+from collections.abc import Callable
+
 import numpy as np
 
-from armodal.hil_sim.makers.arm_table import rotation
+from armodal.hil_sim.makers.arm_table import Array, rotation
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.standing import Standing, middle_of
@@ -29,19 +31,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     stiffness = size * kit.parts.drives[place].stiffness / lever**2
     strain = float(kit.rng.uniform(*FORCE))
 
-    def span(standing: Standing) -> None:
-        ends = standing.place(parent, anchor), standing.place(row.link, eye)
-        line = ends[1] - ends[0]
-        length = float(np.linalg.norm(line))
-        along = np.outer(line, line) / length**2
-        # Along its line the spring; across, its force over its length (Przemieniecki, eq. 15.28).
-        block = stiffness * along + stiffness * strain * (np.eye(3) - along)
-        six = np.zeros((6, 6))
-        six[:3, :3] = block
-        spots = standing.spot(parent, anchor), standing.spot(row.link, eye)
-        standing.structure.spring(*spots, six)
-
-    kit.parts.last.append(span)
+    kit.parts.last.append(pulled((parent, anchor), (row.link, eye), stiffness, strain))
     return {
         "stiffness_n_per_m": stiffness,
         "anchor_m": anchor.tolist(),
@@ -49,3 +39,29 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         "shorter_lever_m": min(float(np.hypot(x, y)) for x, y, _ in levers),
         "pull_over_stiffness_times_length": strain,
     }
+
+
+def pulled(
+    first: tuple[str, Array], second: tuple[str, Array], stiffness: float, strain: float
+) -> Callable[[Standing], None]:
+    """Return what spans a spring, that pulls by a part of stiffness times length, between places.
+
+    Each end is a link and a place in its frame.
+    """
+
+    def span(standing: Standing) -> None:
+        ends = standing.place(*first), standing.place(*second)
+        line = ends[1] - ends[0]
+        length = float(np.linalg.norm(line))
+        along = np.outer(line, line) / length**2
+        # Along its line the spring; across, its force over its length (Przemieniecki, eq. 15.28),
+        # which pulls steadily at what its ends sit on.
+        block = stiffness * along + stiffness * strain * (np.eye(3) - along)
+        six = np.zeros((6, 6))
+        six[:3, :3] = block
+        spots = standing.spot(*first), standing.spot(*second)
+        standing.structure.spring(*spots, six)
+        pull = stiffness * strain * line
+        standing.structure.pulls += [(spots[0], pull), (spots[1], -pull)]
+
+    return span
