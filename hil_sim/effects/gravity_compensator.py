@@ -40,8 +40,8 @@ class GravityCompensator(BaseEffect):
 
     It pulls with `tension_n` at length `length_m` and when longer by a part of its stiffness more
     (`grows`: a spring by all of it), or with the same tension in every posture where no length is
-    given (a gas cylinder on its supply, stiff only for quick motion). What its torque carries the drive does not; its stiffness about the
-    joint, k L'^2 + F L'', changes with the posture.
+    given (a gas cylinder on its supply, stiff only for quick motion). What its torque carries the
+    drive does not; its stiffness about the joint, k L'^2 + F L'', changes with the posture.
     """
 
     kind: Literal["gravity_compensator"]

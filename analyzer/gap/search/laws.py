@@ -8,22 +8,19 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.gap.effects.level import any_change
-from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.linearised import joint_postures, kept_spring, linearised
+from armodal.analyzer.gap.search.race import Race
 from armodal.analyzer.gap.search.scan import scan_instances
 
 __all__ = ["fitted_laws"]
 
 
 def fitted_laws(
-    stage: Stage,
-    base: Fit,
-    leading: Sequence[Instance],
-    steps: int,
-    tell: Callable[[str], None],
+    race: Race, base: Fit, leading: Sequence[Instance], tell: Callable[[str], None]
 ) -> list[Fit]:
     """Every law of its own of the joint whose spring and damper change most with the level.
 
@@ -33,21 +30,28 @@ def fitted_laws(
         The present hypothesis; without levels, or with an effect of them, there is nothing to do.
     leading
         Effects of the level at joints that are tried too.
+
+    Returns
+    -------
+    Some steps of each; none at a joint whose change promises too little beside the best.
     """
     present, ordinary = base.hypothesis, base.hypothesis.ordinary
     if not ordinary.swings or present.level_dependent:
         return []
-    most = scan_instances(stage, base, any_change(ordinary))[0].instance
+    most = scan_instances(race.stage, base, any_change(ordinary))[0]
+    joints = [own.place for own in leading]
+    if race.is_in_reach(base, most.gain):
+        joints = [most.instance.place, *joints]
     swings = {joint: (swing, rate) for joint, swing, rate in ordinary.swings}
     found: list[Fit] = []
-    for joint in dict.fromkeys(own.place for own in (most, *leading)):
+    for joint in dict.fromkeys(joints):
         every = (law for make in hooks("laws") for law in make(ordinary, joint, *swings[joint]))
         for instance in every:
             tell(f"a law of its own: {instance.title}")
             richer = replace(present, instances=(*present.instances, instance))
-            start = _best_start(stage, richer, base)
+            start = _best_start(race.stage, richer, base)
             if start is not None:
-                found.append(fit_hypothesis(stage, richer, start=start, max_iterations=steps))
+                found.append(race.fit(richer, start=start))
     return found
 
 
