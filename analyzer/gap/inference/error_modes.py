@@ -19,7 +19,7 @@ Bell and McCaffrey, Survey Methodology 28 (2002) 169: the bias-reduced lineariza
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,14 @@ from armodal.analyzer.gap.inference.fit import Stage
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.space import Space
 
-__all__ = ["Sensitivities", "curvature_of", "error_slopes", "released", "sensitivities"]
+__all__ = [
+    "Sensitivities",
+    "curvature_of",
+    "error_slopes",
+    "opposed",
+    "released",
+    "sensitivities",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -45,6 +52,7 @@ class Sensitivities:
     raw: Array  # (n, M, 2L)
     clean: Array  # (n, M, 2L) mounting errors integrated out
     left: Array  # (M, 2L) likewise of the residual
+    side: Array | None = None  # (M,) 1 for soft hits and -1 for hard ones, where they are apart
 
 
 def sensitivities(
@@ -71,11 +79,26 @@ def _as_one(parts: Sequence[Sensitivities]) -> Sensitivities:
     """Soft and hard hits of a posture share its errors."""
     if len(parts) == 1:
         return parts[0]
+    sides = [np.full(len(p.left), sign) for p, sign in zip(parts, (1.0, -1.0), strict=True)]
     return Sensitivities(
         raw=np.concatenate([p.raw for p in parts], axis=1),
         clean=np.concatenate([p.clean for p in parts], axis=1),
         left=np.concatenate([p.left for p in parts], axis=0),
+        side=np.concatenate(sides),
     )
+
+
+def opposed(parts: Sequence[Sensitivities]) -> list[Sensitivities]:
+    """The same with the residual of hard hits turned round; empty where all hits are together.
+
+    A model that is wrong in its form is as wrong under soft hits as under hard ones; each single
+    hit is aimed badly in its own way. Turned round, the first cancels and the second is as large.
+    """
+    return [
+        replace(part, left=part.left * part.side[:, None])
+        for part in parts
+        if part.side is not None
+    ]
 
 
 def curvature_of(parts: Sequence[Sensitivities]) -> Array:

@@ -158,7 +158,8 @@ def fit_hypothesis(
     target_cost
         Cost below which no further step is made.
     is_hopeless
-        Asked of the fit before each of its steps: whether it ends there. Not asked of laws.
+        Asked of the fit before each of its steps, or before a law is linearised anew: whether it
+        ends there.
     """
     once = partial(
         _fit,
@@ -188,6 +189,8 @@ def fit_hypothesis(
 
     best = at(space.values(u))
     for _ in range(_LAW_ROUNDS if max_iterations else 0):
+        if is_hopeless is not None and is_hopeless(best):
+            break
         end = once(
             best.hypothesis, start=best.values, resumed=None, max_iterations=max_iterations
         ).values

@@ -42,7 +42,7 @@ from armodal.analyzer.gap.model.swings import (
 )
 from armodal.analyzer.gap.model.systems import systems
 
-__all__ = ["JointPosture", "joint_postures", "kept_spring", "linearised", "swings_of"]
+__all__ = ["JointPosture", "joint_postures", "linearised", "linearised_about_each", "swings_of"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -72,6 +72,10 @@ class JointPosture:
         return replace(self, swings=(there,), values=values)
 
 
+_Case = tuple[Mapping[str, JointPosture], Sequence[Mapping[str, float]]]  # postures, values
+_Swung = list[tuple[Array, Array]]  # turns and torques on each of the lines
+
+
 def linearised(
     hypothesis: Hypothesis,
     models: Sequence[PosedModel],
@@ -80,7 +84,6 @@ def linearised(
     *,
     last: bool = False,
     slopes: bool = True,
-    near: Mapping[str, JointPosture] | None = None,
 ) -> Hypothesis:
     """Return the hypothesis with its joints' own laws linearised about values, on some lines.
 
@@ -90,8 +93,6 @@ def linearised(
         The last instance anew; laws that are known on all of the lines stay where they are.
     slopes
         Else a law is known at that point alone.
-    near
-        Postures of a model that differs in the law's joint alone, if they are at hand.
 
     Raises
     ------
@@ -107,9 +108,7 @@ def linearised(
         return hypothesis
     plain = replace(hypothesis, instances=tuple(i for i in hypothesis.instances if i.law is None))
     about = tuple(
-        replace(i, about=_about(plain, i, models, lines, values, near, slopes=slopes))
-        if anew
-        else i
+        replace(i, about=_about(plain, i, models, lines, values, slopes=slopes)) if anew else i
         for i, anew in zip(hypothesis.instances, wanted, strict=True)
     )
     return replace(hypothesis, instances=about)
@@ -158,7 +157,6 @@ def _about(
     models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
-    near: Mapping[str, JointPosture] | None,
     *,
     slopes: bool,
 ) -> Linearised:
@@ -171,11 +169,10 @@ def _about(
         at, step = values[parameter.name], _STEP * parameter.std
         step = -step if at + step > parameter.high else step
         points.append({**values, parameter.name: at + step})
-    if near is None:
-        postures = joint_postures(plain, models, lines, values, (law.joint,))
-    else:
-        postures = {name: own.at(values, law.joint) for name, own in near.items()}
-    followed = _followed(law, postures, lines, points)
+    postures = joint_postures(plain, models, lines, values, (law.joint,))
+    (followed,) = _followed(law, [(postures, points)], lines)
+    if not _finite(followed):
+        raise np.linalg.LinAlgError("swings under this law do not stay finite")
     per_unit = {
         parameter.name: 1.0 / (moved[parameter.name] - values[parameter.name])
         for parameter, moved in zip(parameters, points[1:], strict=True)
@@ -212,45 +209,53 @@ def _row(assembly: Assembly, joint: str) -> Array:
     return row
 
 
-def _followed(
-    law: JointLaw,
-    postures: Mapping[str, JointPosture],
-    lines: Sequence[PostureLines],
-    points: Sequence[Mapping[str, float]],
-) -> list[tuple[Array, Array]]:
-    """Turns and torques (points, n_hits, n_steps) of each of the lines."""
-    names = list(postures)
-    impulses = np.stack([postures[name].swings[0].by_impulse for name in names])
+def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLines]) -> list[_Swung]:
+    """Turns and torques (points, n_hits, n_steps) of each of the lines, in each of the cases.
+
+    All at once: a step in time takes as long for one swing as for hundreds. What does not stay
+    finite is told as it is.
+    """
+    names = list(cases[0][0])
     order = sorted(range(len(lines)), key=lambda p: names.index(lines[p].name))
+    impulses: list[Array] = []
     free, groups, elements, counts = [], [], [], []
-    for p in order:
-        own, posture = lines[p], postures[lines[p].name]
-        turns = free_turns(posture.swings[0], forces_of(own.peaks_n, own.width_s))
-        for point in points:
-            free.append(turns)
-            elements.append(law.element(point, law.load_n_m(posture.geometry)))
-            counts.append(len(turns))
-        groups += [names.index(own.name)] * len(turns) * len(points)
-    all_free = np.concatenate(free)
-    torque = march(impulses, np.array(groups), all_free, stacked(elements, counts))
-    if not np.isfinite(torque).all():
-        raise np.linalg.LinAlgError("swings under this law do not stay finite")
+    for postures, points in cases:
+        before = len(impulses)
+        impulses += [postures[name].swings[0].by_impulse for name in names]
+        for p in order:
+            own, posture = lines[p], postures[lines[p].name]
+            turns = free_turns(posture.swings[0], forces_of(own.peaks_n, own.width_s))
+            for point in points:
+                free.append(turns)
+                elements.append(law.element(point, law.load_n_m(posture.geometry)))
+                counts.append(len(turns))
+            groups += [before + names.index(own.name)] * len(turns) * len(points)
+    all_free, group = np.concatenate(free), np.array(groups)
+    with np.errstate(over="ignore", invalid="ignore"):
+        torque = march(np.stack(impulses), group, all_free, stacked(elements, counts))
     back = np.empty_like(torque)
     for g, impulse in enumerate(impulses):
-        rows = np.flatnonzero(np.array(groups) == g)
+        rows = np.flatnonzero(group == g)
         n = 2 * torque.shape[1]
         turned = np.fft.irfft(np.fft.rfft(torque[rows], n) * np.fft.rfft(impulse, n), n)
         back[rows] = STEP_S * turned[:, : torque.shape[1]]
     moved = all_free - back
-    found: dict[int, tuple[Array, Array]] = {}
+    swung: list[_Swung] = []
     begin = 0
-    for p in order:
-        n_hits = len(lines[p].peaks_n)
-        end = begin + n_hits * len(points)
-        shape = (len(points), n_hits, -1)
-        found[p] = moved[begin:end].reshape(shape), torque[begin:end].reshape(shape)
-        begin = end
-    return [found[p] for p in range(len(lines))]
+    for _, points in cases:
+        found: dict[int, tuple[Array, Array]] = {}
+        for p in order:
+            n_hits = len(lines[p].peaks_n)
+            end = begin + n_hits * len(points)
+            shape = (len(points), n_hits, -1)
+            found[p] = moved[begin:end].reshape(shape), torque[begin:end].reshape(shape)
+            begin = end
+        swung.append([found[p] for p in range(len(lines))])
+    return swung
+
+
+def _finite(swung: _Swung) -> bool:
+    return all(bool(np.isfinite(torque).all()) for _, torque in swung)
 
 
 def _beside(
@@ -306,23 +311,53 @@ def _in_place(
     ]
 
 
-def kept_spring(
-    law: JointLaw,
-    near: Mapping[str, JointPosture],
+def linearised_about_each(
+    hypothesis: Hypothesis,
+    models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
-    values: Mapping[str, float],
-) -> dict[str, float]:
-    """Values with the joint's k and c such that, with its law, they are what they were.
+    near: Mapping[str, JointPosture],
+    starting_points: Sequence[Mapping[str, float]],
+) -> list[tuple[Hypothesis, dict[str, float]]]:
+    """The last instance's law about each of several values, known at that point alone.
 
-    On average over the lines; `near` are postures of the model without it.
+    At each the joint's k and c are such that, with its law, they are on average over the lines
+    what they were.
+
+    Parameters
+    ----------
+    near
+        Postures of the model without the law.
+
+    Returns
+    -------
+    Each hypothesis with its values; without those under which swings do not stay finite.
     """
+    law = hypothesis.instances[-1].law
+    if law is None:
+        raise ValueError(f"wanted a law of {hypothesis.instances[-1].title}")
     names = [f"ln {what} {law.joint}" for what in "kc"]
-    wanted = np.array([values[name] for name in names])
-    found = dict(values)
-    for _ in range(_TO_THE_MIDDLE):
-        postures = {name: own.at(found, law.joint) for name, own in near.items()}
-        added = _in_place(law, found, _followed(law, postures, lines, [found]))
-        found |= dict(zip(names, (wanted - np.mean(added, axis=0)).tolist(), strict=True))
+    every = [(np.array([own[name] for name in names]), dict(own)) for own in starting_points]
+    for turn in range(_TO_THE_MIDDLE + 1):
+        cases: list[_Case] = [
+            ({name: own.at(values, law.joint) for name, own in near.items()}, [values])
+            for _, values in every
+        ]
+        swung = _followed(law, cases, lines) if cases else []
+        stays = [_finite(own) for own in swung]
+        every = [own for own, fine in zip(every, stays, strict=True) if fine]
+        swung = [own for own, fine in zip(swung, stays, strict=True) if fine]
+        if turn == _TO_THE_MIDDLE:
+            break
+        for (wanted, values), own in zip(every, swung, strict=True):
+            added = np.mean(_in_place(law, values, own), axis=0)
+            values |= dict(zip(names, (wanted - added).tolist(), strict=True))
+    plain = replace(hypothesis, instances=tuple(i for i in hypothesis.instances if i.law is None))
+    *others, last = hypothesis.instances
+    found = []
+    for (_, values), own in zip(every, swung, strict=True):
+        about = _beside(plain, law, models, lines, values, own, {})
+        instances = (*others, replace(last, about=about))
+        found.append((replace(hypothesis, instances=instances), values))
     return found
 
 

@@ -24,8 +24,10 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.inference.error_modes import (
+    Sensitivities,
     curvature_of,
     error_slopes,
+    opposed,
     released,
     sensitivities,
 )
@@ -51,7 +53,8 @@ class Gains:
     replicas: Array  # (n_instances, n_replicas)
     # Median over the effects of the variance that errors give its slope, over independent errors'.
     dispersion: float
-    error_ratio: float  # likewise of errors independent between postures
+    # Likewise of errors independent between postures; of hits apart, of what soft and hard share.
+    error_ratio: float
 
 
 def replica_gains(
@@ -87,17 +90,16 @@ def replica_gains(
 
     H = curvature_of(parts)
     rng = np.random.default_rng(seed)
-    G = np.zeros((len(H), _N_REPLICAS))
-    for slopes in error_slopes(parts, released(parts, fitted)):
-        draws = rng.standard_normal((2, slopes.shape[1], _N_REPLICAS))
-        draws *= np.sqrt(0.5 * len(parts))  # as if all postures erred alike
-        G -= slopes.real @ draws[0] + slopes.imag @ draws[1]
+    G = _drawn(parts, fitted, rng)
     prior = rng.standard_t(_FREEDOM, (len(free), _N_REPLICAS))
     covariance = np.linalg.inv(H[np.ix_(free, free)] + np.eye(len(free)))
     back = covariance @ (G[free] + prior)
 
     row_of = {int(i): k for k, i in enumerate(free)}
-    gains, ratios = [], []
+    gains, ratios, own_ratios = [], [], []
+    alone = opposed(parts)  # errors of single hits, where soft and hard ones are apart
+    G_alone = _drawn(alone, fitted, rng) if alone else G
+    back_alone = covariance @ (G_alone[free] + prior)
     for instance in instances:
         if instance.relaxes:
             names = [n for n in instance.relaxes if n in at]
@@ -118,13 +120,28 @@ def replica_gains(
         gains.append(_added(S, slope, one_sided))
         k = [p.name for p in instance.parameters].index(instance.size)
         ratios.append(float(np.var(slope[k]) / S[k, k]))
+        slope_alone = G_alone[columns[k]] - B[:, k] @ back_alone
+        own_ratios.append(float(np.var(slope_alone) / S[k, k]))
     typical = float(np.median(ratios)) if ratios else 0.0  # of a library that only relaxes
+    shared = typical - float(np.median(own_ratios)) if ratios and alone else typical
     return Gains(
         instances=instances,
         replicas=np.array(gains),
         dispersion=typical,
-        error_ratio=typical / len(parts),
+        error_ratio=max(shared, 0.0) / len(parts),
     )
+
+
+def _drawn(
+    parts: Sequence[Sensitivities], fitted: npt.NDArray[np.int64], rng: np.random.Generator
+) -> Array:
+    """(n, n_replicas) slopes that errors drawn anew give."""
+    drawn = np.zeros((len(parts[0].raw), _N_REPLICAS))
+    for slopes in error_slopes(parts, released(parts, fitted)):
+        draws = rng.standard_normal((2, slopes.shape[1], _N_REPLICAS))
+        draws *= np.sqrt(0.5 * len(parts))  # as if all postures erred alike
+        drawn -= slopes.real @ draws[0] + slopes.imag @ draws[1]
+    return drawn
 
 
 def _added(S: Array, slope: Array, one_sided: npt.NDArray[np.bool_]) -> Array:

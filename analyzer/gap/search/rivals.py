@@ -162,7 +162,7 @@ def find_rivals(
         finals = _each_minimum([*finals, *far])
         finals = [*finals, *_alternatives(race, finals[:LEADING])]
         leading = [f.last for f in finals[:1] if f.last.level_dependent]
-        finals = [*finals, *fitted_laws(race, base[-1], leading, tell)]
+        finals = [*finals, *fitted_laws(races, base[-1], leading, tell)]
         finals = _each_minimum([f for f in finals if f.last.key not in without])
     going_on = _hopeful(finals)
     behind = [f for f in finals if all(f is not other for other in going_on)]
