@@ -189,7 +189,7 @@ def _search(
     calibrations = Calibrations(limits.false_name)
     while True:
         rounds += 1
-        needs_more = partial(calibrations.needs_more, stages[-1])
+        needs_more = partial(_needs_more, calibrations, stages[-1])
         found = find_rivals(
             stages,
             present,
@@ -247,6 +247,13 @@ def _search(
         test=test,
     )
     return ended, notes
+
+
+def _needs_more(
+    calibrations: Calibrations, stage: Stage, present: Fit, begun: Sequence[Fit]
+) -> bool:
+    unfollowed = follows_no_level(present.hypothesis)
+    return unfollowed or calibrations.needs_more(stage, present, begun)
 
 
 def _with_places(

@@ -47,8 +47,7 @@ _EDGE = 1e-9
 _TRIALS = 6  # of a step, each more damped
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
-_LAW_ROUNDS = 6  # of joints' laws linearised anew
-_PARTS_OF_A_STEP = (1.0, 0.3, 0.1)  # of what a linear law foretells to be best
+_LAW_STEPS = 8  # of a joint's law, which is linearised anew for each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,25 +186,24 @@ def fit_hypothesis(
         about = linearised(hypothesis, stage.models, stage.lines, values, last=True)
         return once(about, start=values, resumed=None, max_iterations=0)
 
-    best = at(space.values(u))
-    for _ in range(_LAW_ROUNDS if max_iterations else 0):
+    best, damping = at(space.values(u)), FIRST_DAMPING
+    for _ in range(_LAW_STEPS if max_iterations else 0):
         if is_hopeless is not None and is_hopeless(best):
             break
-        end = once(
-            best.hypothesis, start=best.values, resumed=None, max_iterations=max_iterations
-        ).values
-        there = best
-        for part in _PARTS_OF_A_STEP:
-            try:
-                there = at({n: best.values[n] + part * (end[n] - best.values[n]) for n in end})
-            except np.linalg.LinAlgError:
-                continue
-            if there.cost < best.cost:
-                break
-        gained = best.cost - there.cost
-        best = there if gained > 0.0 else best
-        if gained < max(tolerance, _PART * best.cost):
+        little = max(tolerance, _PART * best.cost)
+        step, promised = damped_step(space, best.u, best.slope, best.curvature, damping)
+        if promised < _NOTHING * little:
             return replace(best, converged=True)
+        try:
+            there = at(space.values(np.clip(best.u + step, space.low, space.high)))
+            gained = best.cost - there.cost
+        except np.linalg.LinAlgError:
+            gained = -np.inf
+        damping = next_damping(damping, gained / promised)
+        if gained > 0.0:
+            best = replace(there, damping=damping)
+            if gained < little:
+                return replace(best, converged=True)
     return best
 
 
