@@ -24,6 +24,8 @@ def fitted_laws(
     base: Fit,
     leading: Sequence[Instance],
     tell: Callable[[str], None],
+    *,
+    is_wanted: Callable[[float], bool],
 ) -> list[Fit]:
     """Every law of its own of the joint whose spring and damper change most with the level.
 
@@ -39,11 +41,12 @@ def fitted_laws(
         nothing to do.
     leading
         Effects of the level at joints that are tried too.
+    is_wanted
+        Asked of what that joint's change promises.
 
     Returns
     -------
-    Some steps of each on sharp lines; none at a joint whose change promises too little beside the
-    best.
+    Some steps of each on sharp lines.
     """
     present, ordinary = base.hypothesis, base.hypothesis.ordinary
     if not ordinary.swings or present.level_dependent:
@@ -51,8 +54,10 @@ def fitted_laws(
     _, broad, *_, sharp = races
     most = scan_instances(sharp, base, any_change(ordinary))[0]
     joints = [own.place for own in leading]
-    if races[sharp].is_in_reach(base, most.gain):
+    if is_wanted(most.gain):
         joints = [most.instance.place, *joints]
+    if not joints:
+        return []
     swings = {joint: (swing, rate) for joint, swing, rate in ordinary.swings}
     before = fit_hypothesis(broad, present, resumed=base, max_iterations=STEPS)
     race, found = races[broad], []

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from armodal.analyzer.gap.inference.fit import (
     Fit,
@@ -153,7 +154,11 @@ def find_rivals(
                     tell=tell,
                     afresh=False,
                 )
-        far = _far(races, base, present, start, without, tell)
+        most = looked[0].gain if looked else 0.0
+        laws = fitted_laws(races, base[-1], (), tell, is_wanted=lambda gain: gain > most)
+        laws = [f for f in laws if f.last.key not in without]
+        explained = bool(laws) and not needs_more(min(laws, key=lambda f: f.evidence), ())
+        far = [] if explained else _far(races, base, present, start, without, tell)
         # Where much is left they come after: most are hopeless beside what the wide lines led to.
         # A look about nothing may say far too little: what it puts first is begun anyway.
         finals = finals or near(
@@ -161,9 +166,11 @@ def find_rivals(
         )
         finals = _each_minimum([*finals, *far])
         finals = [*finals, *_alternatives(race, finals[:LEADING])]
-        leading = [f.last for f in finals[:1] if f.last.level_dependent]
-        finals = [*finals, *fitted_laws(races, base[-1], leading, tell)]
-        finals = _each_minimum([f for f in finals if f.last.key not in without])
+        if not laws:
+            leading = [f.last for f in finals[:1] if f.last.level_dependent]
+            in_reach = partial(race.is_in_reach, base[-1])
+            laws = fitted_laws(races, base[-1], leading, tell, is_wanted=in_reach)
+        finals = _each_minimum([f for f in (*finals, *laws) if f.last.key not in without])
     going_on = _hopeful(finals)
     behind = [f for f in finals if all(f is not other for other in going_on)]
     ended: list[Fit] = []
