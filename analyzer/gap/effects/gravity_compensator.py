@@ -97,7 +97,7 @@ def lifting_joints(ordinary: Ordinary) -> tuple[int, ...]:
 
 
 def names_at(joint: str) -> tuple[str, str, str, str, str, str, str]:
-    """Return the names of stiffness, loss, and what `share` takes (of the ratio its ln)."""
+    """Return the names of stiffness, loss, and what `shares` takes (of the ratio its ln)."""
     return (
         f"compensator stiffness {joint}",
         f"compensator loss {joint}",

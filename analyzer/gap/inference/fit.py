@@ -35,6 +35,7 @@ __all__ = [
     "Stage",
     "best_starting_point",
     "cost_at",
+    "cost_of",
     "fit_hypothesis",
     "models_of",
 ]
@@ -267,7 +268,7 @@ def _fit(
             if promised < _NOTHING * max(tolerance, _PART * cost):
                 break
             trial = np.clip(u + step, space.low, space.high)
-            trial_cost = _cost(stage, hypothesis, space, trial, used)
+            trial_cost = cost_of(stage, hypothesis, space, trial, used)
             kept = (cost - trial_cost) / promised
             damping = next_damping(damping, kept)
             if kept > 0.0:
@@ -302,13 +303,16 @@ def cost_at(stage: Stage, hypothesis: Hypothesis, start: Mapping[str, float]) ->
             )
         except np.linalg.LinAlgError:
             return float("inf")
-    return _cost(stage, hypothesis, space, u, range(len(stage.lines)))
+    return cost_of(stage, hypothesis, space, u, range(len(stage.lines)))
 
 
-def _cost(
+def cost_of(
     stage: Stage, hypothesis: Hypothesis, space: Space, u: Array, postures: Sequence[int]
 ) -> float:
-    """Cost at a point; infinite where there is none."""
+    """Return the cost at a vector (n,) of the space, laws as they are known.
+
+    Infinite where there is none.
+    """
     try:
         misfit = sum(stage.misfit(hypothesis, space.values(u), postures))
     except np.linalg.LinAlgError:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.gap.effects.level import any_change
-from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_of, fit_hypothesis
 from armodal.analyzer.gap.library import hooks
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -87,12 +87,6 @@ def _best_start(stage: Stage, hypothesis: Hypothesis, base: Fit) -> Mapping[str,
     )
     begins = [space.values(space.start(own)) for own in last.initial_values(base.values)]
     every = linearised_about_each(hypothesis, stage.models, stage.lines, near, begins)
-    costs = []
-    for about, values in every:
-        u = space.start(values)
-        try:
-            misfit = sum(stage.misfit(about, values, range(len(stage.lines))))
-        except np.linalg.LinAlgError:
-            misfit = np.inf
-        costs.append(misfit + 0.5 * float(u @ u))
-    return every[int(np.argmin(costs))][1] if costs else None
+    postures = range(len(stage.lines))
+    costs = [cost_of(stage, about, space, space.start(own), postures) for about, own in every]
+    return every[int(np.argmin(costs))][1] if min(costs, default=np.inf) < np.inf else None

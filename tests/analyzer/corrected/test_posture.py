@@ -145,15 +145,21 @@ def test_modes_near_each_other_stay_two_with_a_loss_factor():
     assert second > 1.05 * first
 
 
-def test_a_file_from_before_a_parameter_was_there_means_none_of_it():
-    """A loss factor, and where along its line a link is soft: an older file has neither."""
-    bends = any_of(ARM, "link_bending")
-    newer = ("loss_factor", "taper", "middle", "aside_a", "aside_b")
-    older = tuple(p for p in bends.parameters if not p.name.endswith(newer))
-    assert len(older) < len(bends.parameters)
-    told = tuple(replace(p, value=0.0) if p.name.endswith(newer) else p for p in bends.parameters)
+@pytest.mark.parametrize(
+    ("name", "newer"),
+    [
+        ("link_bending", ("loss_factor", "taper", "middle", "aside_a", "aside_b")),
+        ("gravity_compensator", ("aside", "stretch", "growth")),
+    ],
+)
+def test_a_file_from_before_a_parameter_was_there_means_none_of_it(name, newer):
+    """Such as where along its line a link is soft, or how a spring pulls."""
+    effect = any_of(ARM, name)
+    older = tuple(p for p in effect.parameters if not p.name.endswith(newer))
+    assert len(older) == len(effect.parameters) - len(newer)
+    told = tuple(replace(p, value=0.0) if p.name.endswith(newer) else p for p in effect.parameters)
     before, now = (
-        corrected_modes(posture_of(with_effects(ARM, replace(bends, parameters=of))))
+        corrected_modes(posture_of(with_effects(ARM, replace(effect, parameters=of))))
         for of in (older, told)
     )
     assert before.f_hz == pytest.approx(now.f_hz, rel=SAME)
