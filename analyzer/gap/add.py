@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from armodal.analyzer.gap.library import described, instances_named
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -128,8 +126,7 @@ def _instance(ordinary: Ordinary, effect: AddedEffect) -> Instance:
     found = described(ordinary, effect.name, effect.description)
     if found is not None:
         return found
-    # What depends on the level is in the file whether or not this session has levels.
-    for instance in instances_named(replace(ordinary, level_span=1.0), effect.name):
+    for instance in instances_named(ordinary, effect.name):
         if effect.place in (instance.place, "whole arm"):
             return instance
     raise ArmError(

@@ -6,7 +6,7 @@ A module may offer, each found by its name,
     linear_candidates(stage, fit, instances)  candidates by a linear look of its own
     channel_candidates(stage, hypothesis, values)  likewise, of what was measured
     of_file(ordinary, description)            the instance an arm file describes
-    laws(ordinary, joint, swing_rad, rate_rad_s)  a joint's own laws, beside springs by level
+    laws(ordinary, joint, swing_rad, rate_rad_s)  a joint's own laws, by its swing under a hit
     at_line(ordinary, link, direction, point) the instance along a line of a link; of a file, too
     together(ordinary, one, other)            the one instance that two are
 """
@@ -26,7 +26,15 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.lines_in_links import described_line
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
-__all__ = ["all_instances", "described", "hooks", "instances_named", "title_of", "together"]
+__all__ = [
+    "all_instances",
+    "described",
+    "hooks",
+    "instances_named",
+    "names_of_laws",
+    "title_of",
+    "together",
+]
 
 
 @lru_cache(maxsize=8)  # of an arm and its postures; asked for in every round
@@ -64,6 +72,11 @@ def described(ordinary: Ordinary, name: str, description: Mapping[str, object]) 
             along: Instance | None = None if line is None else module.at_line(ordinary, *line)
             return along
     return None
+
+
+def names_of_laws() -> tuple[str, ...]:
+    """Return the names of effects that are a joint's own laws."""
+    return tuple(module.WORDS.name for module in _modules() if hasattr(module, "laws"))
 
 
 def together(ordinary: Ordinary, one: Instance, other: Instance) -> Instance | None:

@@ -84,9 +84,7 @@ def stiffness_ranges(
         found = [intervals(f, [name], phi)[name] for f in alive]
         k = float(np.exp(found[0].value))
         half = max(found[0].high - found[0].value, found[0].value - found[0].low)
-        moved = [_reach(f, name) for f in alive]
-        low = min(f.low - r for f, r in zip(found, moved, strict=True))
-        high = max(f.high + r for f, r in zip(found, moved, strict=True))
+        low, high = min(f.low for f in found), max(f.high for f in found)
         for side in (-1.0, 1.0):
             # Both are rarely at their limits at once: variances add.
             most = _most(sizes, name, side, half, k)
@@ -148,9 +146,3 @@ def _left_open(hiding: Sequence[Candidate], best: Fit, name: str, phi: float) ->
         odds = _BELIEVED * np.exp(min(c.gain / phi, _SURE_NATS))
         off = max(off, float(abs(shift) * np.sqrt(odds / (1.0 + odds))))
     return off
-
-
-def _reach(fit: Fit, name: str) -> float:
-    """How far a parameter moves with the hits' level, beside its interval at the middle one."""
-    moves = [i.reaches[name] for i in fit.hypothesis.instances if name in i.reaches]
-    return sum(abs(fit.values[own]) * factor for own, factor in moves)

@@ -10,18 +10,21 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
 from armodal.analyzer.gap.decision.added_effect import Step, beside_rivals, with_step
-from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibrations
+from armodal.analyzer.gap.decision.calibration import (
+    FALSE_NAME,
+    Calibration,
+    Calibrations,
+    is_told_by_level,
+)
 from armodal.analyzer.gap.decision.data_requirements import (
     check_data_requirements,
     check_tests,
     notes_on,
 )
 from armodal.analyzer.gap.decision.judge import (
-    SURELY_BY_LEVEL,
     Judged,
     Thresholds,
     ends_alike,
-    follows_no_level,
     one_mechanism,
 )
 from armodal.analyzer.gap.decision.naming import judge_round, step_to
@@ -189,11 +192,10 @@ def _search(
     calibrations = Calibrations(limits.false_name)
     while True:
         rounds += 1
-        needs_more = partial(_needs_more, calibrations, stages[-1])
         found = find_rivals(
             stages,
             present,
-            needs_more,
+            partial(calibrations.needs_more, stages[-1]),
             limit=partial(calibrations.limit, stages[-1]),
             start=start,
             fitted=fitted,
@@ -203,7 +205,7 @@ def _search(
         before = before or found.present
         tell("replicas of the session")
         calibration = calibrations.of(stages[-1], found.present, found.rivals)
-        judged = judge_round(stages[-1], found, calibration, limits, len(named), rounds, notes)
+        judged = judge_round(stages[-1], found, calibration, len(named), rounds, notes)
         if judged.named is None:
             break
         better = judged.named
@@ -218,7 +220,9 @@ def _search(
         notes += _begins_elsewhere(better, found.rivals, calibration.apart)
         fitted, named = with_step(stages, named, step, believed[1], notes)
         present, start = fitted.hypothesis, fitted.values
-        apart, levelled = levels(stages, present, start, notes, surely=True)
+        apart, levelled = levels(
+            stages, present, start, notes, calibration.apart_from(len(present.ordinary.elastic))
+        )
         if levelled is not present:
             # What had been missing hid it: from the start again, without what was said meanwhile.
             notes = notes[-1:]
@@ -227,7 +231,7 @@ def _search(
             present = replace(present, ordinary=levelled.ordinary)
             test = held_out_postures(session, stages[-1].lines)
             named, before, fitted = [], None, None
-        elif _is_outside(present, named):
+        elif _is_outside(stages[-1], fitted, calibration, named):
             # Outside the library: what else there is would be told of a wrong model.
             found = Rivals(present=fitted, rivals=())
             judged = replace(judged, named=None, standing=())
@@ -247,13 +251,6 @@ def _search(
         test=test,
     )
     return ended, notes
-
-
-def _needs_more(
-    calibrations: Calibrations, stage: Stage, present: Fit, begun: Sequence[Fit]
-) -> bool:
-    unfollowed = follows_no_level(present.hypothesis)
-    return unfollowed or calibrations.needs_more(stage, present, begun)
 
 
 def _with_places(
@@ -331,8 +328,7 @@ def _with_levels_apart(
     present: Hypothesis,
     start: Mapping[str, float],
     notes: list[str],
-    *,
-    surely: bool = False,
+    least: float = 0.0,
 ) -> tuple[tuple[Stage, ...], Hypothesis]:
     """Stages with soft and hard hits apart, if the level tells something; else as they are.
 
@@ -340,8 +336,8 @@ def _with_levels_apart(
     ----------
     level_apart
         Gives a stage with soft and hard hits apart, by its number.
-    surely
-        Only if it tells more than chance does: of a model with a name.
+    least
+        Nats it must tell at least.
     """
     ordinary = present.ordinary
     if ordinary.level_span or not ordinary.levels_hit:
@@ -350,15 +346,12 @@ def _with_levels_apart(
     span = max(lines.level for lines in level_apart(1).lines)
     levelled = replace(present, ordinary=replace(ordinary, level_span=span))
     found = told_apart(superset, level_apart, levelled, start, Discrepancy())
-    if found is None or (surely and found.gain < SURELY_BY_LEVEL):
+    if found is None or found.gain < least:
         return stages, present
     notes.append(
         "the response depends on the hits' level: soft and hard hits were analysed separately"
     )
-    told = replace(
-        levelled,
-        ordinary=replace(levelled.ordinary, level_gain=found.gain, swings=found.swings),
-    )
+    told = replace(levelled, ordinary=replace(levelled.ordinary, swings=found.swings))
     # The widest lines only begin a search: there all hits together tell as much in half the time.
     return (stages[0], *found.stages), told
 
@@ -373,11 +366,12 @@ def _begins_elsewhere(named: Fit, rivals: Sequence[Fit], apart: float) -> list[s
     ]
 
 
-def _is_outside(present: Hypothesis, named: Sequence[Step]) -> bool:
+def _is_outside(stage: Stage, fitted: Fit, calibration: Calibration, named: Sequence[Step]) -> bool:
     """Whether what was named so far tells already that the library does not know the arm."""
-    unfollowed = len(named) == _MOST_UNFOLLOWED and follows_no_level(present)
-    mechanism = one_mechanism(present.instances, present.ordinary.arm.joints)
-    return unfollowed or mechanism is not None
+    present = fitted.hypothesis
+    if one_mechanism(present.instances, present.ordinary.arm.joints) is not None:
+        return True
+    return len(named) == _MOST_UNFOLLOWED and is_told_by_level(stage, fitted, calibration)
 
 
 def _gates(

@@ -12,7 +12,7 @@ import numpy as np
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap import effects
 from armodal.analyzer.gap.effects import link_axis, sensor_axes, wrong_point
-from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.library import all_instances, hooks
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -29,6 +29,7 @@ _TIMES_MATERIAL = 4.0
 _LEVEL = 0.7  # half a factor of four between soft and hard hits
 _PICTURED = 8  # places tried for the picture
 _LONG_LINK = 2  # the forearm
+_SWING_RAD, _RATE_RAD_S = 3e-5, 100.0  # of a joint under a hit, where it has a law of its own
 
 
 def effect_pages() -> dict[str, str]:
@@ -49,7 +50,7 @@ def effect_pages() -> dict[str, str]:
 
 
 def _proposed(ordinary: Ordinary) -> Iterator[Instance]:
-    """An example of each effect that has a place only where a look proposes one."""
+    """Examples of effects that have a place only where a look proposes one."""
     last, before = (joint.link.name for joint in ordinary.arm.joints[:-3:-1])
     there, other = (
         [point.id for point in ordinary.arm.points if point.link == link][-1]
@@ -61,6 +62,9 @@ def _proposed(ordinary: Ordinary) -> Iterator[Instance]:
     yield wrong_point.exchanged(ordinary, there, other)
     middle = ordinary.arm.joints[_LONG_LINK].link.center_m
     yield link_axis.at_axis(ordinary, _LONG_LINK, np.array([0.0, 1.0, 0.0]), middle)
+    for i in ordinary.elastic:
+        for laws in hooks("laws"):
+            yield from laws(ordinary, ordinary.arm.joints[i].name, _SWING_RAD, _RATE_RAD_S)
 
 
 def _known() -> Iterator[tuple[EffectWords, str]]:

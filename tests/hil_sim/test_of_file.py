@@ -11,7 +11,7 @@ from support.added import added, any_of, axis, with_effects
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.prediction import predict_arm
 from armodal.analyzer.gap.add import file_key
-from armodal.analyzer.gap.library import all_instances, described
+from armodal.analyzer.gap.library import all_instances, described, names_of_laws
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.hil_sim.effects import modules_with
 from armodal.hil_sim.rehearsal import Rehearsal
@@ -48,10 +48,9 @@ AGREES = {
     "link_torsion": (1e-2, 0.1),
 }
 ABOUT = (5e-2, None)  # of an effect that is not listed
-# Springs by the hits' level; with a law of its own a joint has it here too.
-REFUSED = {"backlash", "friction", "microslip", "softening"}
 KNOWN = {name for module in modules_with("OF_FILE").values() for name in module.OF_FILE}
-COMPARED = sorted(KNOWN - OF_THE_TEST - REFUSED - {"base"})  # on soft ground the inertia is its own
+# On soft ground the inertia is its own; laws of joints are set beside each other over a swing.
+COMPARED = sorted(KNOWN - OF_THE_TEST - {"base", *names_of_laws()})
 
 
 def exactly(name, place=None):
@@ -102,17 +101,18 @@ def test_the_simulated_arm_has_the_modes_of_the_file(name, made):
 
 
 def test_every_effect_of_the_library_is_in_the_simulated_arm_or_refused_by_name():
-    ordinary = Ordinary(superset=Superset(ARM), postures=(), level_span=1.0)
+    ordinary = Ordinary(superset=Superset(ARM), postures=())
     every = {instance.effect for instance in all_instances(ordinary)}
     of_the_test = {effect.name for effect in every if effect.of_the_test}
     assert of_the_test <= OF_THE_TEST
     of_the_arm = {effect.name for effect in every if not effect.of_the_test} | {"link_axis"}
     assert {*AGREES, "base"} <= of_the_arm
-    without = REFUSED | (of_the_arm - KNOWN)
-    corrected = with_effects(ARM, *(any_of(ARM, name) for name in sorted(without)))
+    without = sorted((of_the_arm | set(names_of_laws())) - KNOWN)
+    unread = added("no_such_effect", "joint_1")
+    corrected = with_effects(ARM, *(any_of(ARM, name) for name in without), unread)
     with pytest.raises(PlantError) as refused:
         with_file_effects({"links": [], "effects": []}, corrected, 1)
-    for name in without:
+    for name in (*without, "no_such_effect"):
         assert f"{name} (" in str(refused.value)
 
 
@@ -198,7 +198,7 @@ def test_a_joint_s_own_law_has_the_torque_of_the_file(name):
     """Over a swing; softening's form is the laboratory's own, alike to a tenth of what it loses."""
     corrected = with_effects(ARM, law(name))
     effect = corrected.effects[0]
-    ordinary = Ordinary(superset=Superset(ARM), postures=(), level_span=1.0)
+    ordinary = Ordinary(superset=Superset(ARM), postures=())
     known = {f"ln k {j.name}": np.log(j.stiffness.value) for j in ARM.joints if j.stiffness}
     instance = described(ordinary, name, effect.description)
     own = known | {
@@ -223,6 +223,7 @@ def test_what_of_a_law_the_laboratory_has_not_is_told():
     for effect, words in (
         (law("friction", creep=50.0), "it has no friction that creeps"),
         (law("softening", softer=-1.0), "it has no joint that hardens"),
+        (added("softening", "joint_1", **LAWS["softening"]), "by the hits' level without a law"),
     ):
         with pytest.raises(PlantError, match=words):
             with_file_effects({"links": [], "effects": []}, with_effects(ARM, effect), 1)

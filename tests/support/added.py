@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key
-from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.library import all_instances, hooks
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
@@ -18,6 +18,8 @@ EVIDENCE = EffectEvidence(
 )
 
 AXIS_DIRECTION, AXIS_POINT = (0.6, 0.0, 0.8), (0.04, 0.02, -0.03)
+
+SWING_RAD, RATE_RAD_S = 3e-5, 100.0  # of a joint with a law of its own, under a hit
 
 KNOWN = {}  # by an arm's identity: the arm itself, and all that is ordinary about it
 
@@ -51,16 +53,23 @@ def with_effects(arm, *effects):
 
 def _ordinary(arm):
     if id(arm) not in KNOWN:
-        KNOWN[id(arm)] = arm, Ordinary(superset=Superset(arm), postures=(), level_span=1.0)
+        KNOWN[id(arm)] = arm, Ordinary(superset=Superset(arm), postures=())
     return KNOWN[id(arm)][1]
+
+
+def _instances(arm):
+    """The library at every place of an arm, and every law of every elastic joint."""
+    ordinary = _ordinary(arm)
+    yield from all_instances(ordinary)  # which keeps those of an arm
+    for i in ordinary.elastic:
+        for laws in hooks("laws"):
+            yield from laws(ordinary, arm.joints[i].name, SWING_RAD, RATE_RAD_S)
 
 
 def any_of(arm, name, place=None, factor=1.0):
     """An effect of the library as large as its prior's deviations, at its first place."""
     instance = next(
-        i
-        for i in all_instances(_ordinary(arm))  # which keeps those of an arm
-        if i.effect.name == name and place in (None, i.place)
+        i for i in _instances(arm) if i.effect.name == name and place in (None, i.place)
     )
     every = (*instance.parameters, *instance.relaxes.values())
     sizes = {p.name: p.mean + 0.5 * factor * p.std for p in every}

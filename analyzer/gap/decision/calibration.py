@@ -19,14 +19,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
-from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.library import all_instances, names_of_laws
 from armodal.analyzer.gap.records import Calibrated
 from armodal.analyzer.gap.search.candidates import others_beside
+from armodal.analyzer.gap.search.levels import changes_with_level
 from armodal.analyzer.gap.search.replicas import replica_gains
 
-__all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate"]
+__all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate", "is_told_by_level"]
 
 Array = npt.NDArray[np.float64]
 
@@ -119,7 +121,11 @@ class Calibration:
     @property
     def apart(self) -> float:
         """Nats by which a rival must be behind: its odds are then those that are accepted."""
-        return float(np.log(1.0 / self.false_name)) * self.inflation
+        return self.apart_from(1)
+
+    def apart_from(self, n: int) -> float:
+        """Nats that any of n has with no more than the accepted probability."""
+        return float(np.log(n / self.false_name)) * self.inflation
 
     @property
     def is_model_wrong(self) -> bool:
@@ -155,19 +161,29 @@ class Calibrations:
     def needs_more(self, stage: Stage, present: Fit, begun: Sequence[Fit]) -> bool:
         """Whether anything is to be explained.
 
-        What matters and has its limit in reach, a misfit that half of the replicas do not leave, or
-        errors that no right model has.
+        What matters and has its limit in reach, what the hits' level tells, a misfit that half of
+        the replicas do not leave, or errors that no right model has.
         """
         if misfit_per_line(stage, present) > misfit_of_replicas(stage, present, _HALF):
             return True
         limits = self.of(stage, present, begun)
-        if limits.is_model_wrong:
+        if limits.is_model_wrong or is_told_by_level(stage, present, limits):
             return True
         return any(
             present.evidence - f.evidence + f.promised > limits.limit(f.last.effect.name)
             for f in begun
             if f.last.is_material(f.values)
         )
+
+
+def is_told_by_level(stage: Stage, fit: Fit, calibration: Calibration) -> bool:
+    """Whether the hits' level tells what no effect of a model follows.
+
+    By a look at each joint; chance must bring any of them as much more seldom than is accepted.
+    What the level tells is in the dispersion too: a larger limit, where more of it is not followed.
+    """
+    changes = changes_with_level(stage, fit)
+    return bool(changes) and changes[0].gain > calibration.apart_from(len(changes))
 
 
 def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_NAME) -> Calibration:
@@ -179,24 +195,27 @@ def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_N
         The model without a further effect, and that of best evidence: itself or a rival.
     """
     added = () if best is present else best.hypothesis.instances[-1:]
-    drawn = replica_gains(stage, best, added, others_beside(best))
+    null = present.hypothesis
+    looks = () if null.level_dependent else any_change(null.ordinary)
+    drawn = replica_gains(stage, best, added, [*others_beside(best), *looks])
     by_kind: dict[str, list[Array]] = {}
     for instance, gains in zip(drawn.instances, drawn.replicas, strict=True):
         by_kind.setdefault(instance.effect.name, []).append(gains)
     of_any = np.max(drawn.replicas, axis=0)
     # What was sought anywhere, a point or a line, is here but where it was found: its own gains are
     # those of one place, and it was the best of many.
-    everywhere = {instance.effect.name for instance in all_instances(best.hypothesis.ordinary)}
+    everywhere = {i.effect.name for i in (*all_instances(best.hypothesis.ordinary), *looks)}
     largest = {name: np.max(own, axis=0) for name, own in by_kind.items() if name in everywhere}
     tails = {name: Tail.of(gains) for name, gains in largest.items()}
     of_each = [
         np.array([tails[name].p_value(gain) for gain in gains]) for name, gains in largest.items()
     ]
     least = np.min(of_each, axis=0)
+    by_level = {name: tails[look.effect.name] for look in looks[:1] for name in names_of_laws()}
     return Calibration(
         false_name=false_name,
         n_replicas=drawn.replicas.shape[1],
-        tails=tails,
+        tails=tails | by_level,
         whole=Tail.of(of_any),
         least_p=float(np.quantile(least, false_name)),
         dispersion=drawn.dispersion,

@@ -19,20 +19,16 @@ from armodal.analyzer.gap.decision.mounting_share import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.model.effect import Instance
-from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.protocols.arm.records import Joint
 
 __all__ = [
     "MOST",
-    "SURELY_BY_LEVEL",
     "Judged",
     "Thresholds",
     "ends_alike",
-    "follows_no_level",
     "is_certain",
     "is_plainer",
     "judge",
-    "limit_of",
     "matters",
     "one_mechanism",
 ]
@@ -40,9 +36,6 @@ __all__ = [
 
 _PART_OF_GAIN = 0.1  # by which an axis may explain more than the joint on which it lies
 _MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scatter
-# Nats: six nulls had 5 at most and an uncorrected window 12.3; of eight cracks five had 69 to 354,
-# three no more than 8 to 14.
-SURELY_BY_LEVEL = 40.0
 _SLIGHT_PART = 0.02  # of a gain
 MOST = 0.5  # of a misfit: what explains as much explains more than all others together
 
@@ -55,12 +48,6 @@ class Thresholds:
     # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
     # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
     outside_left: float = 0.20
-    # Nats of what is too small to matter: then it is not that. And of what is large, but of
-    # uncertain size: then it is no patch.
-    unplaced: float = 1000.0
-    # Likewise beside a name, and wanted of another effect beside one that follows the level: of 260
-    # right ones of sealed cases none left more than 207.
-    beside: float = 250.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +67,6 @@ def judge(
     present: Fit,
     rivals: Sequence[Fit],
     calibration: Calibration,
-    thresholds: Thresholds,
 ) -> Judged:
     """Judge the rivals of one step.
 
@@ -96,11 +82,9 @@ def judge(
     clear = [
         r
         for r in rivals
-        if present.evidence - r.evidence > limit_of(r, calibration, thresholds)
-        and (
-            present.evidence - r.evidence > thresholds.unplaced * phi
-            or (is_certain(r) and is_shared(stage, present, r))
-        )
+        if present.evidence - r.evidence > calibration.limit(r.last.effect.name)
+        and is_certain(r)
+        and is_shared(stage, present, r)
     ]
     material = [r for r in clear if r.last.is_material(r.values)]
     # What is small as such, but most of what is missing, where nothing larger is clear.
@@ -135,19 +119,6 @@ def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance) -> bool:
     if instance.is_material(fit.values):
         return True
     return misfit_per_line(stage, fit) < (1.0 - MOST) * misfit_per_line(stage, without)
-
-
-def limit_of(fit: Fit, calibration: Calibration, thresholds: Thresholds) -> float:
-    """Nats that the last effect needs to be named.
-
-    More beside one that follows the hits' level, which a spring and a damper at each level are only
-    nearly.
-    """
-    *others, added = fit.hypothesis.instances
-    limit = calibration.limit(added.effect.name)
-    if any(other.level_dependent for other in others):
-        return max(limit, thresholds.beside * calibration.inflation)
-    return limit
 
 
 def _plainest(material: Sequence[Fit], present: Fit, phi: float) -> Fit:
@@ -208,11 +179,6 @@ def one_mechanism(
             if other.effect.name in one.effect.one_with and places(one) & places(other):
                 return one, other
     return None
-
-
-def follows_no_level(hypothesis: Hypothesis) -> bool:
-    """Whether the hits' level surely tells something, and no effect follows it."""
-    return hypothesis.ordinary.level_gain > SURELY_BY_LEVEL and not hypothesis.level_dependent
 
 
 def _same(one: Fit, other: Fit) -> bool:

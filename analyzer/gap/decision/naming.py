@@ -9,7 +9,7 @@ import numpy as np
 
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.calibration import Calibration
-from armodal.analyzer.gap.decision.judge import MOST, Judged, Thresholds, judge
+from armodal.analyzer.gap.decision.judge import MOST, Judged, judge
 from armodal.analyzer.gap.decision.recurrence import recurrence
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
@@ -29,7 +29,6 @@ def judge_round(
     stage: Stage,
     found: Rivals,
     calibration: Calibration,
-    limits: Thresholds,
     n_named: int,
     rounds: int,
     notes: list[str],
@@ -47,7 +46,7 @@ def judge_round(
     notes
         Gets a line for what was told or left out.
     """
-    judged = judge(stage, found.present, found.rivals, calibration, limits)
+    judged = judge(stage, found.present, found.rivals, calibration)
     if judged.named is not None and is_alike(judged.named):
         notes.append(f"{judged.named.last.title}: {LEVELS_NEEDED}; it was not named")
         return replace(judged, named=None, standing=(judged.named, found.present))

@@ -6,11 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from armodal.analyzer.gap.decision.calibration import is_told_by_level
 from armodal.analyzer.gap.decision.judge import (
-    SURELY_BY_LEVEL,
     Judged,
     Thresholds,
-    follows_no_level,
     one_mechanism,
 )
 from armodal.analyzer.gap.inference.compare import posture_gap
@@ -65,10 +64,9 @@ def verdict_of(
             f"more than {limits.outside_left:.0%} of the response is left: what the hits' level "
             "changes is no joint's stiffness or damping"
         )
-    if _is_unfollowed(final, found, judged, named=named, is_much=is_much):
+    if _is_unfollowed(stage, final, found, judged, named=named):
         why.append("the response depends on the hits' level, and nothing that was named does")
-    unplaced = _is_unplaced(final, found, judged, named=named, limits=limits)
-    if why or unplaced or is_much:
+    if why or is_much:
         return Verdict.OUTSIDE_LIBRARY, why
     if named:
         return Verdict.NAMED, why
@@ -76,30 +74,15 @@ def verdict_of(
 
 
 def _one_mechanism(final: Fit, found: Rivals, judged: Judged) -> tuple[Instance, Instance] | None:
-    """Two effects that one mechanism would look like: both named, or one the level surely tells.
-
-    What follows the hits' level in a model with a name needs less evidence to speak against that
-    name than to be one: chance brings none of it.
-    """
-    sure = SURELY_BY_LEVEL * judged.phi
+    """Two effects that one mechanism would look like: both named, or one the level tells."""
     likely = [
         fit.last
         for fit in found.rivals
-        if fit.last.level_dependent and found.present.evidence - fit.evidence > sure
+        if fit.last.level_dependent
+        and found.present.evidence - fit.evidence > judged.calibration.limit(fit.last.effect.name)
     ]
     hypothesis = final.hypothesis
     return one_mechanism([*hypothesis.instances, *likely], hypothesis.ordinary.arm.joints)
-
-
-def _is_unplaced(
-    final: Fit, found: Rivals, judged: Judged, *, named: bool, limits: Thresholds
-) -> bool:
-    """Whether much is told by what is too small to matter, or of uncertain size."""
-    beside = named or final.hypothesis.level_dependent
-    beyond_doubt = limits.beside if beside else limits.unplaced
-    return not judged.standing and any(
-        found.present.evidence - fit.evidence > beyond_doubt * judged.phi for fit in found.rivals
-    )
 
 
 def _left_between_levels(stage: Stage, final: Fit) -> float:
@@ -116,24 +99,9 @@ def _left_between_levels(stage: Stage, final: Fit) -> float:
     return float(np.max(parts * sizes / np.maximum(sizes, np.median(sizes))))
 
 
-def _is_unfollowed(
-    final: Fit,
-    found: Rivals,
-    judged: Judged,
-    *,
-    named: bool,
-    is_much: bool,
-) -> bool:
-    """Whether the level tells what nothing named follows, or where nothing is, nothing likely.
-
-    That it tells something is sure by what one joint's change with it promises; beside a name also
-    where hits are apart and much is left.
-    """
-    hypothesis = final.hypothesis
-    apart = hypothesis.ordinary.level_span > 0.0 and not hypothesis.level_dependent
-    if named and apart and is_much:
-        return True
-    if not follows_no_level(hypothesis):
+def _is_unfollowed(stage: Stage, final: Fit, found: Rivals, judged: Judged, *, named: bool) -> bool:
+    """Whether the level tells what nothing named follows, or where nothing is, nothing likely."""
+    if not is_told_by_level(stage, final, judged.calibration):
         return False
     least = judged.calibration.apart
     likely = [f for f in found.rivals if found.present.evidence - f.evidence > least]

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 from armodal.analyzer.arm.same_parts import check_same_parts
 from armodal.analyzer.gap.decision.data_requirements import check_data_requirements
+from armodal.analyzer.gap.effects.level import COVERED
 from armodal.analyzer.gap.inference.fit import Fit
-from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hit_levels import has_levels
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.session.records import Session
@@ -30,13 +30,7 @@ def is_alike(fit: Fit) -> bool:
     hypothesis = fit.hypothesis
     if hypothesis.ordinary.levels_hit or not hypothesis.instances:
         return False
-    told_of = {
-        name
-        for instance in all_instances(replace(hypothesis.ordinary, level_span=1.0))
-        if instance.level_dependent
-        for name in instance.effect.covers
-    }
-    return hypothesis.instances[-1].effect.name in told_of
+    return hypothesis.instances[-1].effect.name in COVERED
 
 
 def titles(standing: Sequence[Fit]) -> str:

@@ -6,20 +6,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from armodal.analyzer.gap.effects.level import (
-    COVERED,
-    COVERED_HERE,
-    LEAST_BY_C,
-    Slope,
-    level_instances,
-)
+from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE
 from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Sliders
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "laws"]
+__all__ = ["WORDS", "laws"]
 
 # Of the moment a hit of the middle level puts on the joint: as a damper a ratio of 2 / pi of that,
 # a tenth of a drive's 2 %.
@@ -36,21 +30,6 @@ WORDS = EffectWords(
     told_by="more levels, and the decay of one hard hit in windows",
     remedy="look at seals, brakes and the preload of the gear; test at the level of use",
 )
-
-
-def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One for each elastic joint.
-
-    A slider of limit T under a swing A takes 4 T A an oscillation: as a damper 4 T / (pi w A).
-    """
-    return level_instances(
-        ordinary,
-        WORDS,
-        by_k=Slope(sense=-1.0, std=0.2, low=0.0, high=0.8),
-        by_c=Slope(sense=-1.0, std=0.3, low=LEAST_BY_C, high=1.0),
-        size="c",
-        material=LEAST_BY_C,
-    )
 
 
 def laws(

@@ -6,21 +6,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from armodal.analyzer.gap.effects.level import (
-    COVERED,
-    COVERED_HERE,
-    LEAST_BY_C,
-    LEAST_BY_K,
-    Slope,
-    level_instances,
-)
+from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE
 from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Sliders
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "laws"]
+__all__ = ["WORDS", "laws"]
 
 _LEAST = 0.02  # of the joint's spring
 _SLIDERS = 8
@@ -38,26 +31,13 @@ WORDS = EffectWords(
 )
 
 
-def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One for each elastic joint (W. D. Iwan, J. Appl. Mech. 33 (1966) 893).
-
-    Damping grows with the level until all slips, is highest there, and falls beyond: where the
-    highest lies between soft and hard hits both have about the same: its own law tells.
-    """
-    return level_instances(
-        ordinary,
-        WORDS,
-        by_k=Slope(sense=-1.0, std=0.2, low=0.0, high=0.8),
-        by_c=Slope(sense=1.0, std=0.3, low=-LEAST_BY_C, high=1.0),
-        size="k",
-        material=LEAST_BY_K,
-    )
-
-
 def laws(
     ordinary: Ordinary, joint: str, swing_rad: float, rate_rad_s: float
 ) -> tuple[Instance, ...]:
-    """Sliders beside the joint's spring that slip one after the other, evenly (Iwan 1966)."""
+    """Sliders beside the joint's spring that slip one after the other, evenly.
+
+    W. D. Iwan, J. Appl. Mech. 33 (1966) 893.
+    """
     part, reach = f"seat {joint}", f"ln seat slips {joint}"
     ends = np.arange(1, 2 * _SLIDERS, 2) / _SLIDERS  # of each limit: their mean is one half of all
 

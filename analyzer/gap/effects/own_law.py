@@ -79,7 +79,7 @@ def law_instance(
 def law_of_file(
     laws: LawMaker, ordinary: Ordinary, description: Mapping[str, object]
 ) -> Instance | None:
-    """Return the law that an arm file describes; None where it tells of springs by level."""
+    """Return the law that an arm file describes; None where it does not."""
     joint, swing, rate = (description.get(key) for key in ("joint", "swing_rad", "rate_rad_s"))
     known = {ordinary.arm.joints[i].name for i in ordinary.elastic}
     if not isinstance(swing, float) or not isinstance(rate, float) or joint not in known:

@@ -6,20 +6,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from armodal.analyzer.gap.effects.level import (
-    COVERED,
-    COVERED_HERE,
-    LEAST_BY_K,
-    Slope,
-    level_instances,
-)
+from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE
 from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Bent
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "instances", "laws"]
+__all__ = ["WORDS", "laws"]
 
 _LEAST = 0.02  # of the joint's stiffness, at such a swing
 
@@ -34,18 +28,6 @@ WORDS = EffectWords(
     told_by="hits between soft and hard: their damping lies in between, too",
     remedy="give the joint's stiffness at the level of use; look at preloads that open",
 )
-
-
-def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One for each elastic joint."""
-    return level_instances(
-        ordinary,
-        WORDS,
-        by_k=Slope(sense=-1.0, std=0.2, low=0.0, high=0.8),
-        by_c=Slope(sense=1.0, with_k=0.4, std=0.02, low=-0.04, high=0.04),
-        size="k",
-        material=LEAST_BY_K,
-    )
 
 
 def laws(

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
-from armodal.analyzer.gap.model.assembly import BASE, Assembly
+from armodal.analyzer.gap.model.assembly import BASE, Assembly, System
 from armodal.analyzer.gap.model.change import Change, by_change, by_decay
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -23,7 +23,13 @@ from armodal.analyzer.gap.model.motion_derivatives import by_motion, by_slopes
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.response import Response
 from armodal.analyzer.gap.model.space import Space
-from armodal.analyzer.gap.model.systems import angle_slopes, motion_slopes, systems
+from armodal.analyzer.gap.model.systems import (
+    MotionSlopes,
+    Slopes,
+    angle_slopes,
+    motion_slopes,
+    systems,
+)
 
 __all__ = ["Solved"]
 
@@ -55,6 +61,16 @@ class Solved:
     def ordinary(self) -> Ordinary:
         """Return the ordinary model."""
         return self.hypothesis.ordinary
+
+    def by_equations(self) -> Iterator[tuple[str, ComplexArray]]:
+        """What changes the equations, in forms that are known."""
+        yield from self.by_joints()
+        yield from self.by_compliances()
+        yield from self.by_inertias()
+        yield from self.by_angles()
+        yield from self.by_terms()
+        yield from self.by_turns()
+        yield from self.by_motions()
 
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
         """Stiffness with its hysteretic part, damping, and loss."""
@@ -178,9 +194,21 @@ class Solved:
 
     def by_angles(self) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""
-        slopes = angle_slopes(self.assemblies, self.exact.whole, self.near)
+        slopes = self.angle_slopes()
         names = [f"encoder {joint.name}" for joint in self.ordinary.arm.joints]
         return zip(names, by_slopes(self.found, slopes), strict=True)
+
+    def angle_slopes(self) -> Slopes:
+        """Return how the equations change with the angles."""
+        return angle_slopes(self.assemblies, self.exact.whole, self.near)
+
+    def motion_slopes(self, names: Sequence[str]) -> MotionSlopes:
+        """Return how they change with what coordinates that give way move."""
+        return motion_slopes(self.assemblies, self.exact.whole, names)
+
+    def systems(self, assemblies: Sequence[Assembly]) -> System:
+        """Return equations of the same postures."""
+        return systems(assemblies)
 
     def by_terms(self) -> Iterator[tuple[str, ComplexArray]]:
         """What effects add linearly."""
@@ -218,7 +246,7 @@ class Solved:
             if any((system.compliance[:, at] != 0.0).any() for at, _ in own)
         }
         if moves:
-            columns = iter(by_motion(self.found, motion_slopes(self.assemblies, system, [*moves])))
+            columns = iter(by_motion(self.found, self.motion_slopes([*moves])))
             for name, n in moves.items():
                 yield name, np.sum([next(columns) for _ in range(n)], axis=0)
 
@@ -233,8 +261,10 @@ class Solved:
             laws = [instance.linear_law(own.lines) for own in self.assemblies]
             known = [law for law in laws if law is not None]
             if len(known) == len(laws):
-                for name in known[0].by:
-                    yield name, as_single(np.stack([law.by[name] for law in known]))
+                nothing = np.zeros_like(known[0].added)
+                for name in dict.fromkeys(name for law in known for name in law.by):
+                    of_each = [law.by.get(name, nothing) for law in known]
+                    yield name, np.stack(of_each).astype(self.found.x.dtype)
 
     def by_differences(self, space: Space) -> Iterator[tuple[str, ComplexArray]]:
         """What is left of effects, by differences of the equations."""
@@ -262,7 +292,7 @@ class Solved:
                 if self.values[parameter.name] + step > parameter.high:
                     step = -step
                 changed = {**self.values, parameter.name: self.values[parameter.name] + step}
-                other = systems([self.hypothesis.add_to(own, changed) for own in self.plain])
+                other = self.systems([self.hypothesis.add_to(own, changed) for own in self.plain])
                 before, after = (of.among(self.exact.moving) for of in (self.exact.whole, other))
                 found = by_change(self.found, Change.between(before, after, step))
                 decay = (after.decay_rad_s - before.decay_rad_s) / step

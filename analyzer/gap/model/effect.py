@@ -118,8 +118,6 @@ class Instance:
     material: float = 0.0  # below this size it is not worth a name
     least_certain: float = 0.0  # size over its deviation, below which it is only a patch
     size_offset: float = 0.0  # of the size: what the null has anyway; only more is an effect
-    # By ordinary parameter: what else it may be, either way, per unit of an own one.
-    reaches: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     # ln k of the joint whose compliance it is a part of, as long as nothing else of it is seen.
     hides_in: str = ""

@@ -29,6 +29,7 @@ __all__ = [
     "Linearised",
     "Play",
     "Sliders",
+    "Tangent",
     "added_logs",
     "harmonic_spring",
     "over_a_swing",
@@ -58,6 +59,23 @@ class Element(Protocol):
     def remember(self, turn: Array, memory: Array, step_s: float) -> Array:
         """(n, n_memory) once the step to a turn is done, which took so long."""
         ...
+
+    def tangent(self, turn: Array, memory: Array, step_s: float) -> Tangent:
+        """Slopes of `resist` and `remember` there."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tangent:
+    """How an element answers a small change of its turn and of what it remembers.
+
+    What it remembers has no say in each other; (n, n_memory) but for the first.
+    """
+
+    by_turn: Array  # (n,) N m/rad
+    by_memory: Array  # of the torque
+    kept: Array  # of what is remembered, by itself before
+    followed: Array  # by the turn
 
 
 class ElementOf(Protocol):
@@ -93,14 +111,14 @@ class LinearLaw:
 class Linearised:
     """A law about one point, on some lines (`linearised.py`)."""
 
-    values: Mapping[str, float]  # of its parameters there
+    values: Mapping[str, float]  # of all parameters it depends on, there
     table: Mapping[tuple[object, ...], LinearLaw]  # by the lines' key
 
     def added(self, key: tuple[object, ...], values: Mapping[str, float]) -> ComplexArray:
         """(m, 3, L) to the response of some lines."""
         here = self.table[key]
-        ways = ((values[name] - at, here.by[name]) for name, at in self.values.items())
-        return np.asarray(here.added + sum(step * by for step, by in ways))
+        moved = ((by, values.get(n, self.values[n]) - self.values[n]) for n, by in here.by.items())
+        return np.asarray(here.added + sum(by * step for by, step in moved if step))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,6 +150,18 @@ class Sliders:
         follows = -np.expm1(-self.creep_per_s * step_s)[:, None]
         return np.asarray(held + follows * (turn[:, None] - held))
 
+    def tangent(self, turn: Array, memory: Array, step_s: float) -> Tangent:
+        """A slider holds what it holds until it slips."""
+        holds = np.abs(self.stiffness * (turn[:, None] - memory)) <= self.limit
+        follows = -np.expm1(-self.creep_per_s * step_s)[:, None]
+        stiff = np.where(holds, self.stiffness, 0.0)
+        return Tangent(
+            by_turn=stiff.sum(axis=1),
+            by_memory=-stiff,
+            kept=np.where(holds, 1.0 - follows, 0.0),
+            followed=np.where(holds, follows, 1.0),
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Play:
@@ -161,6 +191,11 @@ class Play:
         del turn, step_s
         return memory
 
+    def tangent(self, turn: Array, memory: Array, step_s: float) -> Tangent:
+        """Its slope alone."""
+        del step_s
+        return _of_no_memory(self.resist(turn, memory)[1])
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bent:
@@ -187,6 +222,16 @@ class Bent:
         """Nothing."""
         del turn, step_s
         return memory
+
+    def tangent(self, turn: Array, memory: Array, step_s: float) -> Tangent:
+        """Its slope alone."""
+        del step_s
+        return _of_no_memory(self.resist(turn, memory)[1])
+
+
+def _of_no_memory(slope: Array) -> Tangent:
+    none = np.zeros((len(slope), 0))
+    return Tangent(by_turn=slope, by_memory=none, kept=none, followed=none)
 
 
 E = TypeVar("E", bound=Element)

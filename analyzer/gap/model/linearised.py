@@ -27,6 +27,7 @@ from armodal.analyzer.gap.model.joint_laws import (
     added_logs,
     stacked,
 )
+from armodal.analyzer.gap.model.law_slopes import torque_slopes
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.swings import (
@@ -164,7 +165,9 @@ def _about(
     if law is None:
         raise ValueError(f"wanted a law of {instance.title}")
     points = [dict(values)]
-    parameters = instance.parameters if slopes else ()
+    # A law may be of its joint's stiffness.
+    own_k = [p for p in plain.space().parameters if p.name == f"ln k {law.joint}"]
+    parameters = (*instance.parameters, *own_k) if slopes else ()
     for parameter in parameters:
         at, step = values[parameter.name], _STEP * parameter.std
         step = -step if at + step > parameter.high else step
@@ -177,7 +180,10 @@ def _about(
         parameter.name: 1.0 / (moved[parameter.name] - values[parameter.name])
         for parameter, moved in zip(parameters, points[1:], strict=True)
     }
-    return _beside(plain, law, models, lines, values, followed, per_unit)
+    about = _beside(plain, law, models, lines, values, followed, per_unit)
+    if not slopes:
+        return about
+    return _with_all_slopes(about, plain, law, models, lines, values, postures, followed)
 
 
 def joint_postures(
@@ -270,23 +276,14 @@ def _beside(
     """Springs and dampers in the law's place, and what is added to their response."""
     joint = law.joint
     springs = dict(zip([own.key for own in lines], _in_place(law, values, followed), strict=True))
-
-    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        assembly.multiply_spring(joint, values, *springs[assembly.lines.key])
-
-    in_its_place = Instance(
-        effect=_SPRING, place=joint, builder=build, level_dependent=True, is_term=True
-    )
-    near = replace(plain, instances=(*plain.instances, in_its_place))
+    near = _with_springs(plain, joint, springs)
     table = {}
     for model, own, (_, torque) in zip(models, lines, followed, strict=True):
         together = Postures([model], [own])
         without = together.response(plain, values)
         row = _row(together.assembled(plain, values)[0], joint)
         load = without.under_a_torque(row[None])[0]  # (m, 3, L)
-        s = own.s_rad_s
-        force = np.stack([pulse(s, float(peak), own.width_s) for peak in own.peaks_n])
-        on_lines = torque @ (STEP_S * np.exp(-np.outer(seconds(), s))) / force  # (points, hits, L)
+        on_lines = _on_lines(own, torque)  # (points, hits, L)
         change = -load * on_lines[:, own.hit][:, :, None]  # (points, m, 3, L)
         nearly = together.response(near, values).values[0]
         table[own.key] = LinearLaw(
@@ -299,6 +296,79 @@ def _beside(
             },
         )
     return Linearised(values={name: values[name] for name in slopes}, table=table)
+
+
+def _with_springs(
+    plain: Hypothesis, joint: str, springs: Mapping[tuple[object, ...], tuple[float, float]]
+) -> Hypothesis:
+    """The hypothesis with what a joint's law adds to ln k and ln c, by the lines' key."""
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        assembly.multiply_spring(joint, values, *springs[assembly.lines.key])
+
+    in_its_place = Instance(
+        effect=_SPRING, place=joint, builder=build, level_dependent=True, is_term=True
+    )
+    return replace(plain, instances=(*plain.instances, in_its_place))
+
+
+def _on_lines(own: PostureLines, torque: Array) -> ComplexArray:
+    """(..., n_hits, L) a N of each hit's force, of torques (..., n_hits, n_steps)."""
+    s = own.s_rad_s
+    force = np.stack([pulse(s, float(peak), own.width_s) for peak in own.peaks_n])
+    return np.asarray(torque @ (STEP_S * np.exp(-np.outer(seconds(), s))) / force)
+
+
+def _with_all_slopes(
+    about: Linearised,
+    plain: Hypothesis,
+    law: JointLaw,
+    models: Sequence[PosedModel],
+    lines: Sequence[PostureLines],
+    values: Mapping[str, float],
+    postures: Mapping[str, JointPosture],
+    followed: Sequence[tuple[Array, Array]],
+) -> Linearised:
+    """Beside it what all other parameters change in what springs and dampers leave.
+
+    A compliance that rests at none is left out: the torque's way through it is not solved for.
+    """
+    springs = {key: (own.log_k, own.log_c) for key, own in about.table.items()}
+    near = _with_springs(plain, law.joint, springs)
+    space = plain.space()
+    table = dict(about.table)
+    for model, own, (turn, torque) in zip(models, lines, followed, strict=True):
+        together, posture = Postures([model], [own]), postures[own.name]
+        assembly = together.assembled(plain, values)[0]
+        row = _row(assembly, law.joint)
+        element = law.element(values, law.load_n_m(posture.geometry))
+        changes = torque_slopes(
+            together,
+            plain,
+            space,
+            values,
+            row,
+            posture.swings[0].by_torque,
+            stacked([element], [len(turn[0])]),
+            turn[0],
+            torque[0],
+        )
+        load = together.response(plain, values).under_a_torque(row[None])[0]
+        held = _on_lines(own, torque[0])[own.hit]
+        slopes = together.derivatives_holding_back(plain, space, values, row[None], held[None])
+        slopes = slopes[:, 0] - load * changes[:, own.hit][:, :, None]
+        _, in_its_place = together.derivatives(near, space, values)
+        slopes -= in_its_place[:, 0]
+        rests = {name for name in assembly.compliance_of if values[name] == 0.0}
+        here = table[own.key]
+        by = dict(here.by)
+        for name, i in space.index.items():
+            if name not in rests and slopes[i].any():
+                slope = slopes[i] / space.std[i]
+                by[name] = by[name] + slope if name in by else slope
+        table[own.key] = replace(here, by=by)
+    names = dict.fromkeys(name for own in table.values() for name in own.by)
+    return Linearised(values={name: values[name] for name in names}, table=table)
 
 
 def _in_place(

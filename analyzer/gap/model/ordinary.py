@@ -53,7 +53,6 @@ class Ordinary:
     hits_between: bool = False  # likewise, and once between in some session
     # ln of hard over soft hits' force, halved, where they are told apart; else zero.
     level_span: float = 0.0
-    level_gain: float = 0.0  # nats: what their difference tells at first
     # Of each joint, where they are: turn under a hit of the middle level, rad; rate over it, rad/s.
     swings: tuple[tuple[str, float, float], ...] = ()
 

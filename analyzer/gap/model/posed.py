@@ -20,6 +20,8 @@ from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.derivatives import Solved
 from armodal.analyzer.gap.model.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.joint_turns import SolvedTurns, turned_systems
+from armodal.analyzer.gap.model.line_arrays import as_single
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.response import Response, respond
@@ -141,6 +143,53 @@ class Postures:
             last = self._last_columns = posed, space, self._columns(posed, space)
         return posed.exact.values, last[2]
 
+    def derivatives_holding_back(
+        self,
+        hypothesis: Hypothesis,
+        space: Space,
+        values: Mapping[str, float],
+        rows: Array,
+        torque: ComplexArray,
+    ) -> ComplexArray:
+        """Derivatives, as `derivatives`, while a torque is held back along rows (P, N).
+
+        `torque` (P, m, L): per unit force of each mounting's hit; it stays.
+        """
+        posed = self._solved(hypothesis, values)
+        under = replace(posed, exact=posed.exact.holding_back(rows, torque))
+        return self._columns(under, space).whole()
+
+    def turn_derivatives(
+        self,
+        hypothesis: Hypothesis,
+        space: Space,
+        values: Mapping[str, float],
+        rows: Array,
+        s_rad_s: ComplexArray,
+        torque: ComplexArray,
+    ) -> ComplexArray:
+        """Derivatives (n_parameters, P, n_hits, L) of stretches along rows (P, N), rad/N.
+
+        By a prior deviation of each parameter, on lines (P, L), while a torque (P, n_hits, L) per
+        unit force is held back there, which stays.
+        """
+        plain, assemblies = self._assemblies(hypothesis, values)
+        system = turned_systems(assemblies, rows)
+        hit = np.broadcast_to(np.arange(system.force.shape[1]), system.force.shape[:2])
+        found = respond(system, s_rad_s, hit).holding_back(rows, torque)
+        posed = SolvedTurns(
+            hypothesis, plain, assemblies, found, dict(values), self._slopes(), self._single, rows
+        )
+        shape = (len(space), *found.true_axes.shape[:2], found.true_axes.shape[3])
+        every = np.zeros(shape, dtype=posed.found.x.dtype)
+        for name, derivative in chain(posed.by_equations(), posed.by_differences(space)):
+            if name in space.index:
+                every[space.index[name]] += derivative[:, :, 0]
+        for p, name, own in chain(posed.by_hit_directions(), posed.by_hit_places()):
+            if name in space.index:
+                every[space.index[name], p] += own[:, 0]
+        return np.asarray(every * as_single(space.std)[:, None, None, None])
+
     def _columns(self, posed: Solved, space: Space) -> Columns:
         y = posed.exact.values
         std = space.std.astype(posed.found.x.real.dtype)
@@ -151,14 +200,8 @@ class Postures:
         among = set(rows.tolist())
         slot_of: dict[int, int] = {}  # in the order in which parameters are first met
         for name, derivative in chain(
-            posed.by_joints(),
-            posed.by_compliances(),
-            posed.by_inertias(),
+            posed.by_equations(),
             posed.by_measurement(),
-            posed.by_angles(),
-            posed.by_terms(),
-            posed.by_turns(),
-            posed.by_motions(),
             posed.by_sensor_mass(),
             posed.by_laws(),
             posed.by_differences(space),

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Fit, Stage, cost_of, fit_hypothesis
 from armodal.analyzer.gap.library import hooks
-from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.linearised import joint_postures, linearised_about_each
+from armodal.analyzer.gap.search.levels import changes_with_level
 from armodal.analyzer.gap.search.race import STEPS, Race
-from armodal.analyzer.gap.search.scan import scan_instances
+from armodal.analyzer.gap.search.scan import LOOK
 
 __all__ = ["fitted_laws"]
 
@@ -22,7 +21,6 @@ __all__ = ["fitted_laws"]
 def fitted_laws(
     races: Mapping[Stage, Race],
     base: Fit,
-    leading: Sequence[Instance],
     tell: Callable[[str], None],
     *,
     is_wanted: Callable[[float], bool],
@@ -39,8 +37,6 @@ def fitted_laws(
     base
         The present hypothesis on sharp lines; without levels, or with an effect of them, there is
         nothing to do.
-    leading
-        Effects of the level at joints that are tried too.
     is_wanted
         Asked of what that joint's change promises.
 
@@ -52,23 +48,19 @@ def fitted_laws(
     if not ordinary.swings or present.level_dependent:
         return []
     _, broad, *_, sharp = races
-    most = scan_instances(sharp, base, any_change(ordinary))[0]
-    joints = [own.place for own in leading]
-    if is_wanted(most.gain):
-        joints = [most.instance.place, *joints]
-    if not joints:
+    most = changes_with_level(sharp, base)[0]
+    if most.gain < LOOK or not is_wanted(most.gain):
         return []
-    swings = {joint: (swing, rate) for joint, swing, rate in ordinary.swings}
+    joint = most.instance.place
+    of_joint = next(swing for swing in ordinary.swings if swing[0] == joint)
     before = fit_hypothesis(broad, present, resumed=base, max_iterations=STEPS)
     race, found = races[broad], []
-    for joint in dict.fromkeys(joints):
-        every = (law for make in hooks("laws") for law in make(ordinary, joint, *swings[joint]))
-        for instance in every:
-            tell(f"a law of its own: {instance.title}")
-            richer = replace(present, instances=(*present.instances, instance))
-            start = _best_start(broad, richer, before)
-            if start is not None:
-                found.append(race.to_its_end(race.fit(richer, start=start)))
+    for instance in (law for make in hooks("laws") for law in make(ordinary, *of_joint)):
+        tell(f"a law of its own: {instance.title}")
+        richer = replace(present, instances=(*present.instances, instance))
+        start = _best_start(broad, richer, before)
+        if start is not None:
+            found.append(race.to_its_end(race.fit(richer, start=start)))
     hopeful = [fit for fit in found if not race.is_hopeless(fit)]
     return [races[sharp].fit(fit.hypothesis, resumed=fit) for fit in hopeful]
 

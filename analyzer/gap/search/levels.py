@@ -19,10 +19,26 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.linearised import swings_of
 from armodal.analyzer.gap.model.lines import PostureLines, scatter
 from armodal.analyzer.gap.model.weigh import Discrepancy
-from armodal.analyzer.gap.search.rivals import LOOK
-from armodal.analyzer.gap.search.scan import scan_instances
+from armodal.analyzer.gap.search.scan import LOOK, Candidate, scan_instances
 
-__all__ = ["Apart", "any_level", "told_apart", "weighed_anew"]
+__all__ = [
+    "Apart",
+    "any_level",
+    "changes_with_level",
+    "told_apart",
+    "weighed_anew",
+]
+
+
+def changes_with_level(stage: Stage, fit: Fit) -> list[Candidate]:
+    """What a common change of each joint with the level promises, best first.
+
+    None where soft and hard hits are not told apart, or an effect of a model follows the level.
+    """
+    hypothesis = fit.hypothesis
+    if hypothesis.level_dependent:
+        return []
+    return scan_instances(stage, fit, any_change(hypothesis.ordinary))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,8 +78,7 @@ def told_apart(
     broad, middle = level_apart(1), level_apart(2)
     fit = fit_hypothesis(broad, present, start=start, closing=False)
     fit = fit_hypothesis(middle, present, start=fit.values)
-    changes = any_change(present.ordinary)
-    gain = scan_instances(middle, fit, changes)[0].gain
+    gain = changes_with_level(middle, fit)[0].gain
     if gain < LOOK:
         return None
     free = any_level(middle, present, fit.values)

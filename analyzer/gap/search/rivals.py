@@ -31,12 +31,11 @@ from armodal.analyzer.gap.search.candidates import (
 )
 from armodal.analyzer.gap.search.laws import fitted_laws
 from armodal.analyzer.gap.search.race import BESIDE, MOST_STEPS, PATIENCE, STEPS, Race
-from armodal.analyzer.gap.search.scan import Candidate
+from armodal.analyzer.gap.search.scan import LOOK, Candidate
 
-__all__ = ["LOOK", "Rivals", "annealed", "find_rivals"]
+__all__ = ["Rivals", "annealed", "find_rivals"]
 
 _KEPT = 28  # candidates fitted on the widest lines; on each sharper stage half as many
-LOOK = 8.0  # of cost by the linear look: what promises less brings nothing that could be told
 _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starting points
 _LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
 
@@ -155,7 +154,7 @@ def find_rivals(
                     afresh=False,
                 )
         most = looked[0].gain if looked else 0.0
-        laws = fitted_laws(races, base[-1], (), tell, is_wanted=lambda gain: gain > most)
+        laws = fitted_laws(races, base[-1], tell, is_wanted=lambda gain: gain > most)
         laws = [f for f in laws if f.last.key not in without]
         explained = bool(laws) and not needs_more(min(laws, key=lambda f: f.evidence), ())
         far = [] if explained else _far(races, base, present, start, without, tell)
@@ -167,9 +166,8 @@ def find_rivals(
         finals = _each_minimum([*finals, *far])
         finals = [*finals, *_alternatives(race, finals[:LEADING])]
         if not laws:
-            leading = [f.last for f in finals[:1] if f.last.level_dependent]
             in_reach = partial(race.is_in_reach, base[-1])
-            laws = fitted_laws(races, base[-1], leading, tell, is_wanted=in_reach)
+            laws = fitted_laws(races, base[-1], tell, is_wanted=in_reach)
         finals = _each_minimum([f for f in (*finals, *laws) if f.last.key not in without])
     going_on = _hopeful(finals)
     behind = [f for f in finals if all(f is not other for other in going_on)]

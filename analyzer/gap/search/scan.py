@@ -17,9 +17,11 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.space import Space
 
-__all__ = ["Candidate", "scan_instances", "small"]
+__all__ = ["LOOK", "Candidate", "scan_instances", "small"]
 
 Array = npt.NDArray[np.float64]
+
+LOOK = 8.0  # of cost: what promises less brings nothing that could be told
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -99,7 +99,9 @@ def test_two_laws_of_one_joint_ask_for_hits_between_soft_and_hard(plan, ordinary
     two, three = (replace(ordinary, level_span=1.0, hits_between=b) for b in (False, True))
 
     def test_for(of, *places):
-        laws = [softening.instances(of)[places[0]], microslip.instances(of)[places[1]]]
+        joints = [of.arm.joints[of.elastic[place]].name for place in places]
+        kinds = zip((softening, microslip), joints, strict=True)
+        laws = [kind.laws(of, joint, 3e-5, 100.0)[0] for kind, joint in kinds]
         return advised(plan, [fit_of(of, law) for law in laws]).test
 
     assert "hits of about 10, 30, 75 N" in test_for(two, 0, 0).words

@@ -77,23 +77,20 @@ def test_a_linear_look_promises_no_size_below_zero(superset, ordinary, stage):
     """Nor where a gain and a phase of each posture's own pull the sizes the wrong way."""
     rng = np.random.default_rng(1)
     pulled = [
-        replace(
-            own,
-            level=level,
-            values=own.values * np.exp(0.2j * rng.normal()) * (1.0 + 0.3 * rng.normal()),
-        )
-        for own, level in zip(stage.lines, (-1.0, 1.0), strict=True)
+        replace(own, values=own.values * np.exp(0.2j * rng.normal()) * (1.0 + 0.3 * rng.normal()))
+        for own in stage.lines
     ]
     disturbed = Stage(superset, pulled, Discrepancy())
-    hypothesis = Hypothesis(ordinary=replace(ordinary, level_span=1.0))
-    about = fit_hypothesis(disturbed, hypothesis, max_iterations=0)
+    about = fit_hypothesis(disturbed, Hypothesis(ordinary=ordinary), max_iterations=0)
     sizes = [
         candidate.begin[parameter.name]
-        for candidate in scan_instances(disturbed, about, all_instances(hypothesis.ordinary))
+        for candidate in scan_instances(disturbed, about, all_instances(ordinary))
         for parameter in candidate.instance.parameters
         if parameter.name in (candidate.instance.size, *candidate.instance.sizes)
         if parameter.low >= 0.0 and not candidate.instance.relaxes
     ]
-    assert sum(size > 0.0 for size in sizes) > 10
+    # Some are pulled up, some down.
+    assert sum(size > 1e-12 for size in sizes) > 5
+    assert sum(size < 1e-12 for size in sizes) > 5
     # Of a size of zero by its mean and its deviation rounding leaves the last digit.
     assert min(sizes) > -1e-12

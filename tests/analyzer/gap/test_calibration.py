@@ -8,7 +8,13 @@ from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.gap.decision import calibration
-from armodal.analyzer.gap.decision.calibration import Calibrations, Tail, calibrate
+from armodal.analyzer.gap.decision.calibration import (
+    Calibrations,
+    Tail,
+    calibrate,
+    is_told_by_level,
+)
+from armodal.analyzer.gap.library import names_of_laws
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.space import Parameter, Space
@@ -32,9 +38,10 @@ def instances():
     )
 
 
-def calibrated(monkeypatch, false_name, dispersion=1.0, library=None):
+def calibrated(monkeypatch, false_name, dispersion=1.0, library=None, looks=()):
+    """Limits from made gains; `looks` are in place of the first instances."""
     gains = Gains(
-        instances=instances(),
+        instances=(*looks, *instances()[len(looks) :]),
         replicas=drawn(np.random.default_rng(0), 4000),
         dispersion=dispersion,
         error_ratio=0.5,
@@ -42,6 +49,7 @@ def calibrated(monkeypatch, false_name, dispersion=1.0, library=None):
     monkeypatch.setattr(calibration, "replica_gains", lambda *_: gains)
     monkeypatch.setattr(calibration, "others_beside", lambda _: ())
     monkeypatch.setattr(calibration, "all_instances", lambda _: library or instances())
+    monkeypatch.setattr(calibration, "any_change", lambda _: looks)
     present = made_fit(Hypothesis(ordinary=None), cost=100.0)
     return calibrate(None, present, present, false_name)
 
@@ -73,6 +81,36 @@ def test_what_no_linear_look_tells_has_the_limit_of_the_whole_library(monkeypatc
     assert rate == pytest.approx(0.01, abs=4.0 * np.sqrt(0.01 / 4000))
 
 
+def test_a_law_has_the_limit_of_a_joint_s_change_with_the_level(monkeypatch):
+    """No replica is followed in time: the look at its joint stands for it."""
+    look = Instance(effect=SimpleNamespace(name="level"), place="a", level_dependent=True)
+    found = calibrated(monkeypatch, 0.01, looks=(look,))
+    # It is in place of what gains most.
+    assert found.limit("level") > found.limit("some") > found.limit("little")
+    assert len(names_of_laws()) > 1
+    for name in names_of_laws():
+        assert found.limit(name) == found.limit("level")
+        assert found.p_value(name, 0.9 * found.limit(name)) > 0.01
+    # Where hits are not told apart no law is followed, and none has a limit of its own.
+    none = calibrated(monkeypatch, 0.01)
+    assert {none.limit(name) for name in names_of_laws()} == {none.limit_otherwise}
+
+
+def test_a_model_that_follows_the_level_is_calibrated_without_a_look_at_it(monkeypatch):
+    calibrated(monkeypatch, 0.01)
+    given = []
+    drawn_of = calibration.replica_gains
+    monkeypatch.setattr(
+        calibration, "replica_gains", lambda *args: given.append(args[3]) or drawn_of(*args)
+    )
+    look = Instance(effect=SimpleNamespace(name="level"), place="a", level_dependent=True)
+    monkeypatch.setattr(calibration, "any_change", lambda _: (look,))
+    law = Instance(effect=SimpleNamespace(name="softening"), place="a", level_dependent=True)
+    follows = made_fit(Hypothesis(ordinary=None, instances=(law,)), cost=100.0)
+    calibrate(None, follows, follows)
+    assert given == [[]]
+
+
 def test_what_was_found_anywhere_is_not_judged_by_its_own_place_alone(monkeypatch):
     """Replicas have a point or a line only where the search found it: the best of many."""
     sought = tuple(i for i in instances() if i.effect.name != "little")
@@ -86,6 +124,29 @@ def test_errors_that_disagree_widen_what_tells_rivals_apart(monkeypatch):
     assert narrow.apart == pytest.approx(np.log(100.0))  # never less than independent errors
     assert wide.apart == pytest.approx(3.0 * narrow.apart)
     assert wide.odds(wide.apart) == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("n", [1, 6])
+def test_any_of_several_is_beyond_its_limit_by_chance_as_seldom_as_accepted(n, monkeypatch):
+    found = calibrated(monkeypatch, 0.01, dispersion=3.0)
+    # What has odds of e^-g is reached by chance with such a probability.
+    gains = np.random.default_rng(3).exponential(3.0, (n, 100_000))
+    rate = np.mean((gains > found.apart_from(n)).any(axis=0))
+    # Of n that are independent; four deviations of the rate.
+    assert rate == pytest.approx(1.0 - (1.0 - 0.01 / n) ** n, abs=4.0 * np.sqrt(0.01 / 100_000))
+
+
+@pytest.mark.parametrize("n", [1, 6])
+def test_the_level_tells_where_a_joint_promises_more_than_chance_brings_any(n, monkeypatch):
+    limits = made_calibration(apart=20.0)
+    least = 20.0 * (1.0 + np.log(n) / np.log(100.0))
+    for most, is_told in ((0.99 * least, False), (1.01 * least, True)):
+        promised = [SimpleNamespace(gain=gain) for gain in (most, *[0.0] * (n - 1))]
+        monkeypatch.setattr(calibration, "changes_with_level", lambda *_, p=promised: p)
+        assert is_told_by_level(None, None, limits) == is_told
+    # Hits together, or an effect that follows the level: there is nothing to look at.
+    monkeypatch.setattr(calibration, "changes_with_level", lambda *_: [])
+    assert not is_told_by_level(None, None, limits)
 
 
 def test_a_tail_goes_on_as_an_exponential():
@@ -120,18 +181,22 @@ def with_effect(cost, *, size=1.0):
 
 
 @pytest.mark.parametrize(
-    ("gain", "size", "leaves", "wanted"),
+    ("gain", "size", "leaves", "by_level", "wanted"),
     [
-        (41.0, 1.0, 9.0, True),
-        (39.0, 1.0, 9.0, False),
-        (41.0, 0.01, 9.0, False),  # too small to matter
-        (0.0, 1.0, 1.0, True),  # more is left than half of the replicas leave
+        (41.0, 1.0, 9.0, 0.0, True),
+        (39.0, 1.0, 9.0, 0.0, False),
+        (41.0, 0.01, 9.0, 0.0, False),  # too small to matter
+        (0.0, 1.0, 1.0, 0.0, True),  # more is left than half of the replicas leave
+        (0.0, 1.0, 9.0, 19.0, False),
+        (0.0, 1.0, 9.0, 21.0, True),  # the hits' level tells what nothing follows
     ],
 )
 def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
-    gain, size, leaves, wanted, monkeypatch
+    gain, size, leaves, by_level, wanted, monkeypatch
 ):
-    limits = made_calibration(limits={"much": 40.0})
+    limits = made_calibration(apart=20.0, limits={"much": 40.0})
+    promised = [SimpleNamespace(gain=by_level)]
+    monkeypatch.setattr(calibration, "changes_with_level", lambda *_: promised)
     monkeypatch.setattr(calibration, "calibrate", lambda *_: limits)
     monkeypatch.setattr(calibration, "misfit_per_line", lambda *_: 2.0)
     monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: leaves)

@@ -1,4 +1,4 @@
-"""Springs that change with the hits' level: the equations, the signs of each kind, the lines."""
+"""Springs and dampers that change with the hits' level: the look at each joint, and the lines."""
 
 from dataclasses import replace
 
@@ -8,10 +8,10 @@ from support.bench_effects import JOINTS
 from support.small_case import SmallestCase, small_case
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
+from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Stage
-from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.library import all_instances, names_of_laws
 from armodal.analyzer.gap.model.hit_levels import has_levels, middle_level, weight_factors
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import Annealing, own_lines
@@ -20,9 +20,9 @@ from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.search.candidates import goes_with
 from armodal.analyzer.gap.search.levels import told_apart
-from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 
-KINDS = (backlash, friction, microslip, softening)
+LAWS = (backlash, friction, microslip, softening)
+SWING_RAD, RATE_RAD_S = 3e-5, 100.0  # of a joint under a hit
 
 
 @pytest.fixture(scope="module")
@@ -40,46 +40,50 @@ def posed(superset):
     return PosedModel(superset, JOINTS)
 
 
-def test_without_levels_there_are_no_effects_of_them(ordinary):
-    names = {i.effect.name for i in all_instances(replace(ordinary, level_span=0.0))}
-    assert not names & {kind.WORDS.name for kind in KINDS}
+def test_every_elastic_joint_is_looked_at_where_soft_and_hard_hits_are_apart(ordinary):
+    joints = [ordinary.arm.joints[i].name for i in ordinary.elastic]
+    assert [look.place for look in any_change(ordinary)] == joints
+    assert any_change(replace(ordinary, level_span=0.0)) == ()
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_it_is_the_plain_arm_with_another_spring_at_that_level(kind, ordinary, hard, posed):
-    instance = kind.instances(ordinary)[1]
-    joint = instance.place
-    plain = Hypothesis(ordinary=ordinary)
-    changed = Hypothesis(ordinary=ordinary, instances=(instance,))
+def test_the_library_has_no_effect_of_the_level_but_laws(ordinary):
+    assert not [i.title for i in all_instances(ordinary) if i.level_dependent or i.law is not None]
+    laws = [law for kind in LAWS for law in law_of(kind, ordinary)]
+    assert {law.effect.name for law in laws} == set(names_of_laws())
+    assert all(law.level_dependent for law in laws)
+
+
+def law_of(kind, ordinary):
+    joint = ordinary.arm.joints[ordinary.elastic[0]].name
+    return kind.laws(ordinary, joint, SWING_RAD, RATE_RAD_S)
+
+
+def test_it_is_the_plain_arm_with_another_spring_and_damper_at_that_level(ordinary, hard, posed):
+    look = any_change(ordinary)[1]
+    joint = look.place
+    plain, changed = (Hypothesis(ordinary=ordinary, instances=own) for own in ((), (look,)))
     space = changed.space()
     values = space.values(space.start())
-    by_k, by_c = (p.name for p in instance.parameters)
-    values |= {by_k: 0.1, by_c: 0.06}
-    sign = {"backlash": (1, 1), "friction": (-1, -1), "microslip": (-1, 1), "softening": (-1, 1)}
-    with_k = 0.4 if kind is softening else 0.0
-    k_sign, c_sign = sign[kind.WORDS.name]
-    ln_k = k_sign * 0.1 * hard.level
-    ln_c = c_sign * (0.06 + with_k * 0.1) * hard.level
+    by_k, by_c = (p.name for p in look.parameters)
+    values |= {by_k: -0.1, by_c: 0.06}
     other = values | {
-        f"ln k {joint}": values[f"ln k {joint}"] + ln_k,
-        f"ln c {joint}": values[f"ln c {joint}"] + ln_c,
+        f"ln k {joint}": values[f"ln k {joint}"] - 0.1 * hard.level,
+        f"ln c {joint}": values[f"ln c {joint}"] + 0.06 * hard.level,
     }
+    # The same equations solved twice.
     np.testing.assert_allclose(
-        posed.values(changed, hard, values),
-        posed.values(plain, hard, other),
-        rtol=1e-9,
+        posed.values(changed, hard, values), posed.values(plain, hard, other), rtol=1e-9
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_derivatives_are_those_of_differences(kind, ordinary, hard, posed):
-    instance = kind.instances(ordinary)[2]
-    hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+def test_derivatives_are_those_of_differences(ordinary, hard, posed):
+    look = any_change(ordinary)[2]
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(look,))
     space = hypothesis.space()
     u = np.clip(space.start() + 0.3, space.low, space.high)
     _, dy = posed.derivatives(hypothesis, hard, space, space.values(u))
-    joint = [f"ln {what} {instance.place}" for what in "kc"]
-    for i in (space.index[name] for name in (*instance.owned, *joint, f"loss {instance.place}")):
+    joint = [f"ln {what} {look.place}" for what in "kc"]
+    for i in (space.index[name] for name in (*look.owned, *joint, f"loss {look.place}")):
         ends = []
         for side in (1e-5, -1e-5):
             moved = u.copy()
@@ -88,97 +92,6 @@ def test_derivatives_are_those_of_differences(kind, ordinary, hard, posed):
         want = (ends[0] - ends[1]) / 2e-5
         # Analytic against central differences: rounding over the step.
         np.testing.assert_allclose(dy[i], want, atol=1e-5 * np.abs(want).max())
-
-
-def swung(torque, amplitude):
-    """Stiffness and damping (times frequency) of a torque over a harmonic swing, once around."""
-    turn = np.linspace(0.0, 4.0 * np.pi, 8001)
-    stretch = amplitude * np.cos(turn)
-    t = torque(stretch)[4000:-1]  # the second time around: sliders have found their place
-    way = turn[4000:-1]
-    k = 2.0 * np.mean(t * np.cos(way)) / amplitude
-    return k, -2.0 * np.mean(t * np.sin(way)) / amplitude
-
-
-def sliders(k, limits):
-    """Jenkins elements, stiffness k each."""
-
-    def torque(stretch):
-        total = np.zeros_like(stretch)
-        for limit in limits:
-            at = 0.0
-            for i, s in enumerate(stretch):
-                at = np.clip(at, s - limit / k, s + limit / k)
-                total[i] += k * (s - at)
-        return total
-
-    return torque
-
-
-def slopes(torque, soft, hard):
-    """Change of ln k and ln c by ln level of a joint of unit stiffness, 6 % loss, plus torque."""
-    ends = []
-    for amplitude in (soft, hard):
-        k, c = swung(torque, amplitude)
-        ends.append(np.log([1.0 + k, 0.06 + c]))
-    return (ends[1] - ends[0]) / np.log(hard / soft)
-
-
-# What single-frequency equivalent linearisation says of the kinds, swings from 0.35 to 2.9.
-@pytest.mark.parametrize(
-    ("kind", "torque"),
-    [
-        (friction, sliders(2.0, [0.14])),
-        (microslip, sliders(0.4 / 6, 0.45 * np.arange(1, 12, 2) / 36)),
-        (softening, lambda s: 0.4 * (0.5 * np.tanh(s / 0.5) - s)),
-        (backlash, lambda s: -np.clip(s, -0.2, 0.2)),
-    ],
-)
-def test_the_signs_of_each_kind_are_within_its_bounds_alone(kind, torque, ordinary):
-    by_k, by_c = slopes(torque, 0.35, 2.9)
-
-    def admits(module):
-        k, c = module.instances(ordinary)[0].parameters
-        sense_k = 1.0 if module is backlash else -1.0
-        sense_c = -1.0 if module is friction else 1.0
-        own_k = sense_k * by_k
-        own_c = sense_c * by_c - (0.4 * own_k if module is softening else 0.0)
-        return k.low <= own_k <= k.high and c.low <= own_c <= c.high
-
-    allowed = [module for module in KINDS if admits(module)]
-    # Without a decay nothing sweeps: softening has no damping of its own then.
-    if kind is softening:
-        assert by_k < -0.05
-        assert by_c == pytest.approx(0.0, abs=1e-6)
-    else:
-        assert allowed == [kind]
-
-
-def test_named_in_an_arm_file_it_comes_back_without_levels_too(ordinary, superset):
-    instance = microslip.instances(ordinary)[0]
-    values = dict.fromkeys(instance.owned, 0.1)
-    parameters = tuple(
-        EffectParameter(name=file_key(n, instance.place), unit="", value=v, std=0.0, low=v, high=v)
-        for n, v in values.items()
-    )
-    evidence = EffectEvidence(
-        gain_nats=50.0,
-        held_out_gain_nats=10.0,
-        confidence=1.0,
-        session_sha256="0" * 64,
-        created="2026-01-31T12:00:00+00:00",
-    )
-    effect = AddedEffect(
-        name="microslip",
-        place=instance.place,
-        parameters=parameters,
-        description={},
-        evidence=evidence,
-    )
-    arm = replace(superset.arm, effects=(effect,))
-    (back,), start = instances_of_file(Ordinary(superset=Superset(arm), postures=("p",)))
-    assert back.key == instance.key
-    assert start == values
 
 
 @pytest.fixture(scope="module")
@@ -221,21 +134,15 @@ def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level()
         assert np.median(after.variance / before.variance) < 1.0
 
 
-def test_a_joint_s_stiffness_may_be_what_it_is_at_any_level_near(ordinary):
-    for kind in KINDS:
-        instance = kind.instances(ordinary)[0]
-        by_k = instance.parameters[0].name
-        assert instance.reaches == {f"ln k {instance.place}": (by_k, 2.5 * 1.1)}
-
-
 def test_what_changes_with_the_motion_covers_what_changes_with_the_posture(ordinary):
     every = all_instances(ordinary)
-    for kind in KINDS:
-        present = Hypothesis(ordinary=ordinary, instances=(kind.instances(ordinary)[0],))
+    for kind in LAWS:
+        (law, *_) = law_of(kind, ordinary)
+        present = Hypothesis(ordinary=ordinary, instances=(law,))
         beside = {i.effect.name for i in every if goes_with(i, present)}
         assert not beside & {"gravity_compensator", "load_damping", "nonproportional"}
         joints = {i.place for i in every if i.effect.name == "servo" and goes_with(i, present)}
-        assert present.instances[0].place not in joints
+        assert law.place not in joints
         assert beside >= {"coupling", "hysteretic", "servo"}
 
 

@@ -16,14 +16,9 @@ EFFECTS = {
     module.name: importlib.import_module(f"{effects.__name__}.{module.name}")
     for module in pkgutil.iter_modules(effects.__path__)
 }
+HOOKS = ("instances", "laws", "linear_candidates", "channel_candidates")
 # Modules that hold an effect or look for one; the others are what effects share.
-OWN = {
-    name
-    for name, module in EFFECTS.items()
-    if any(
-        hasattr(module, hook) for hook in ("instances", "linear_candidates", "channel_candidates")
-    )
-}
+OWN = {name for name, module in EFFECTS.items() if any(hasattr(module, hook) for hook in HOOKS)}
 NAMES = {
     words.name
     for module in EFFECTS.values()

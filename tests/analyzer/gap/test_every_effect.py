@@ -11,6 +11,7 @@ from support.gap_results import made_result
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import added_effects, instances_of_file
 from armodal.analyzer.gap.effects import sensor_axes, wrong_point
+from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -127,7 +128,7 @@ def test_derivatives_by_everything_are_those_of_differences_with_any_effect(ordi
     own = replace(lines, level=0.4)
     # Of each effect two places are enough: an early one in the arm and a late one.
     of_kind = {}
-    for instance in all_instances(levelled):
+    for instance in (*all_instances(levelled), *any_change(levelled)):
         of_kind.setdefault(instance.effect.name, []).append(instance)
     ends = [own[at] for own in of_kind.values() for at in {0, len(own) - 1}]
     for instance in [*ends, *others]:

@@ -6,12 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import integrate
+from support.added import added
 from support.quick import few_quick
 from support.small_case import SmallCase, small_case
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
+from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Stage, best_starting_point, cost_at, fit_hypothesis
 from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -22,6 +24,7 @@ from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.swings import STEP_S, march, pulse, seconds
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.protocols.errors import ArmError
 
 LAWS = (backlash, friction, microslip, softening)
 
@@ -241,7 +244,7 @@ def test_a_joint_s_own_law_explains_more_than_a_spring_of_each_level(kind, modul
     joint = json.loads(small_case(3001, "rv4frl", kind, ladder=True).open_truth())["effects"][0][
         "place"
     ]
-    by_level = next(i for i in module.instances(plain.ordinary) if i.place == joint)
+    by_level = next(look for look in any_change(plain.ordinary) if look.place == joint)
     springs = fit_hypothesis(
         stage, replace(plain, instances=(by_level,)), start=first.values, max_iterations=12
     )
@@ -292,6 +295,16 @@ def test_a_law_in_an_arm_file_comes_back_as_that_law(kind, arm):
     assert back.owned == instance.owned
     assert back.law.swing_rad == instance.law.swing_rad
     assert start == own
+
+
+def test_an_effect_of_the_level_without_a_swing_is_none_that_a_file_can_hold(arm):
+    """A law is counted by its joint's swing: without that its sizes mean nothing."""
+    _, plain, _, swings = arm
+    (instance,) = with_law(plain, softening, "joint_2", swings).instances
+    without = added("softening", "joint_2", **{file_key(instance.size, "joint_2"): 0.3})
+    superset = Superset(replace(plain.ordinary.arm, effects=(without,)))
+    with pytest.raises(ArmError, match=r"'softening' at 'joint_2' is not one the library has"):
+        instances_of_file(Ordinary(superset=superset, postures=("p",)))
 
 
 def test_a_law_whose_swings_do_not_stay_finite_costs_beyond_all_others(arm):

@@ -12,7 +12,7 @@ from armodal.analyzer.corrected.batch import batched
 from armodal.analyzer.corrected.correction import correction_of, stepped
 from armodal.analyzer.corrected.posture import corrected_posture, stand
 from armodal.analyzer.corrected.prediction import predict_arm
-from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.library import all_instances, names_of_laws
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.planning.equations import planned_arm
 from armodal.analyzer.planning.excitation import posture_modes
@@ -25,11 +25,10 @@ Q = np.array([0.2, 0.4, 1.1, -0.5, 0.6, 0.3])
 OF_THE_ARM = sorted(
     {
         instance.effect.name
-        for instance in all_instances(
-            Ordinary(superset=Superset(load_arm("rv4frl")), postures=(), level_span=1.0)
-        )
+        for instance in all_instances(Ordinary(superset=Superset(load_arm("rv4frl")), postures=()))
         if not instance.effect.of_the_test and instance.effect.name != "link_axis"
     }
+    | set(names_of_laws())
 )
 
 

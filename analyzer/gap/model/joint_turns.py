@@ -1,0 +1,79 @@
+"""A joint's turn in solved postures, and its derivatives by every parameter.
+
+The turn is taken for a channel of one mounting a hit, so that what is known of recorded channels
+holds for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.model.assembly import Assembly, System
+from armodal.analyzer.gap.model.derivatives import Solved
+from armodal.analyzer.gap.model.systems import MotionSlopes, Slopes, systems
+
+__all__ = ["SolvedTurns", "turned_systems"]
+
+Array = npt.NDArray[np.float64]
+
+
+def turned_systems(assemblies: Sequence[Assembly], rows: Array) -> System:
+    """Return postures' equations with a stretch along rows (P, N) as what is recorded.
+
+    One mounting a hit, on the first of three channels; the accelerometer is left out.
+    """
+    whole = systems(assemblies)
+    P, n_hits = whole.force.shape[:2]
+    none = np.zeros((P, n_hits, 3, rows.shape[1]))
+    stretch = none.copy()
+    stretch[:, :, 0] = rows[:, None]
+    return replace(
+        whole,
+        moved=none,
+        seen=none,
+        tilted=stretch,
+        turned=none,
+        mix=np.broadcast_to(np.eye(3), (P, n_hits, 3, 3)),
+        log_scale=np.zeros(P),
+        delay_s=np.zeros(P),
+        decay_rad_s=np.zeros(P),
+        sensor_mass_kg=np.zeros(P),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class SolvedTurns(Solved):
+    """Solved postures of `turned_systems`; a joint's own row stays what it is."""
+
+    rows: Array | None = None  # (P, N)
+
+    def angle_slopes(self) -> Slopes:
+        """Return how the equations change with the angles."""
+        whole = Solved.angle_slopes(self)
+        return replace(whole, **_none(whole, self.exact.hit.shape[1], 2))
+
+    def motion_slopes(self, names: Sequence[str]) -> MotionSlopes:
+        """Return how they change with what coordinates that give way move."""
+        whole = Solved.motion_slopes(self, names)
+        return replace(whole, **_none(whole, self.exact.hit.shape[1], 1))
+
+    def systems(self, assemblies: Sequence[Assembly]) -> System:
+        """Return equations of the same postures."""
+        if self.rows is None:
+            raise ValueError("wanted the rows along which joints turn")
+        return turned_systems(assemblies, self.rows)
+
+
+def _none(slopes: Slopes | MotionSlopes, m: int, axis: int) -> dict[str, Any]:
+    """What m mountings see of it: nothing."""
+    found = {}
+    for name in ("moved", "seen", "tilted"):
+        shape = list(getattr(slopes, name).shape)
+        shape[axis] = m
+        found[name] = np.zeros(shape)
+    return found

@@ -1,0 +1,190 @@
+"""How the torque of a joint's own law changes with every parameter of a model.
+
+A parameter moves the turns of a joint under the torque as it is by dw. The torque changes with the
+turn, and that the turn again:
+
+    dx(t) = dw(t) - int g(t - u) dtau(u) du ,    dtau = (tangent of the law along x) dx ,
+
+g the turn by a unit impulse of torque: one linear equation a hit, followed in steps that are long
+beside those of the hit itself (`swings.py`), for all parameters at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.joint_laws import Element
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.posed import Postures
+from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.model.swings import SIGMA_RAD_S, STEP_S, pulse
+
+__all__ = ["torque_slopes"]
+
+Array = npt.NDArray[np.float64]
+Array32 = npt.NDArray[np.float32]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+
+_TOGETHER = (4, 2, 1)  # steps of a swing in one of its change: as many as are stable
+_STABLE = 2.0  # of a step times the fastest frequency, squared; beyond 4 nothing is
+_BAND_HZ = 200.0
+_TAPER = 0.15  # of the band, cosine
+_BLOCK = 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Along:
+    """An element along its swings, over long steps: `joint_laws.Tangent`, (n, n_steps, ...)."""
+
+    by_turn: Array32
+    by_memory: Array32
+    kept: Array32
+    followed: Array32
+
+
+def torque_slopes(
+    together: Postures,
+    plain: Hypothesis,
+    space: Space,
+    values: Mapping[str, float],
+    row: Array,
+    by_torque: ComplexArray,
+    element: Element,
+    turn: Array,
+    torque: Array,
+) -> ComplexArray:
+    """Return (n_parameters, n_hits, L) what a deviation of each parameter changes in the torque.
+
+    Parameters
+    ----------
+    together
+        The lines of one posture and level.
+    plain, space, values
+        The model without the law, its parameters, and where it is.
+    row
+        (N,) by which the joint's spring stretches.
+    by_torque
+        Its turn by a unit torque, rad/(N m) (`swings.Swings`).
+    element
+        Of n_hits rows.
+    turn, torque
+        (n_hits, n_steps) of the joint and of the law under each hit, rad and N m.
+
+    Returns
+    -------
+    On the posture's lines, N m a N of each hit's force.
+    """
+    (lines,) = together.lines
+    taken = torque * np.exp(-SIGMA_RAD_S * STEP_S * np.arange(turn.shape[1]))
+    s = _lines(turn.shape[1], STEP_S)
+    on_lines = STEP_S * np.fft.rfft(taken)[:, : len(s)]
+    force = _forces(lines, s)
+    by_force = together.turn_derivatives(
+        plain, space, values, row[None], s[None], (on_lines / force)[None]
+    )[:, 0]
+    found = np.zeros((len(space), len(turn), len(lines.s_rad_s)), dtype=np.complex64)
+    moves = np.abs(by_force).max(axis=(1, 2)) > 0.0
+    for at_once in _TOGETHER:
+        steps = _Steps(at_once=at_once, n=turn.shape[1] // at_once)
+        along = _along(element, turn, steps)
+        by_impulse = steps.step_s * steps.in_time(by_torque[: len(s)], 0.0)
+        if by_impulse[1] * along.by_turn.max() < _STABLE:
+            break
+    change = _followed(along, steps.in_time(by_force[moves] * force, steps.middle_s), by_impulse)
+    kernel = np.exp(-np.outer(steps.seconds + steps.middle_s, lines.s_rad_s))
+    slopes = change @ (steps.step_s * kernel).astype(np.complex64)
+    found[moves] = slopes / _forces(lines, lines.s_rad_s)
+    return found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Steps:
+    """Steps in which changes are followed."""
+
+    at_once: int  # steps of the swing
+    n: int
+
+    @property
+    def step_s(self) -> float:
+        """Return their length."""
+        return self.at_once * STEP_S
+
+    @property
+    def middle_s(self) -> float:
+        """Return when the middle of those of the swing is, from the first."""
+        return 0.5 * (self.at_once - 1) * STEP_S
+
+    @property
+    def seconds(self) -> Array:
+        """(n,) when each begins."""
+        return np.asarray(self.step_s * np.arange(self.n))
+
+    def in_time(self, on_lines: ComplexArray, later_s: float) -> Array32:
+        """(..., n) of (..., L), so much later than each begins."""
+        n = on_lines.shape[-1]
+        taper = np.ones(n)
+        ends = round(_TAPER * n)
+        taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
+        turned = np.exp(2j * np.pi * np.arange(n) / (self.n * self.step_s) * later_s)
+        weight = (taper * turned / self.step_s).astype(np.complex64)
+        window = np.exp(SIGMA_RAD_S * (self.seconds + later_s))
+        return np.asarray(np.fft.irfft(on_lines * weight, self.n) * window, dtype=np.float32)
+
+
+def _lines(n_steps: int, step_s: float) -> ComplexArray:
+    f_hz = np.fft.rfftfreq(n_steps, step_s)
+    return np.asarray(SIGMA_RAD_S + 2j * np.pi * f_hz[f_hz < _BAND_HZ])
+
+
+def _forces(lines: PostureLines, s: ComplexArray) -> ComplexArray:
+    """(n_hits, L)."""
+    return np.stack([pulse(s, float(peak), lines.width_s) for peak in lines.peaks_n])
+
+
+def _along(element: Element, turn: Array, steps: _Steps) -> _Along:
+    """What the tangents of short steps make of a long one, the turn's change alike in each."""
+    n, n_memory = len(turn), element.n_memory
+    memory = np.zeros((n, n_memory))
+    found = []
+    for begin in range(0, steps.n * steps.at_once, steps.at_once):
+        kept, followed = np.ones((n, n_memory)), np.zeros((n, n_memory))
+        by_turn, by_memory = np.zeros(n), np.zeros((n, n_memory))
+        for x in turn[:, begin : begin + steps.at_once].T:
+            own = element.tangent(x, memory, STEP_S)
+            by_turn += (own.by_turn + np.sum(own.by_memory * followed, axis=1)) / steps.at_once
+            by_memory += own.by_memory * kept / steps.at_once
+            followed = own.kept * followed + own.followed
+            kept = own.kept * kept
+            memory = element.remember(x, memory, STEP_S)
+        found.append((by_turn, by_memory, kept, followed))
+    every = [np.stack(own, axis=1).astype(np.float32) for own in zip(*found, strict=True)]
+    return _Along(by_turn=every[0], by_memory=every[1], kept=every[2], followed=every[3])
+
+
+def _followed(along: _Along, moved: Array32, by_impulse: Array32) -> Array32:
+    """Torque's changes (k, n, n_steps) under turns' (k, n, n_steps); (n_steps,) a step's torque."""
+    k, n, n_steps = moved.shape
+    change = np.zeros_like(moved)
+    memory = np.zeros((k, n, along.kept.shape[2]), dtype=np.float32)
+    left = 1.0 / (1.0 + by_impulse[0] * along.by_turn)
+    for begin in range(0, n_steps, _BLOCK):
+        block = np.arange(begin, min(begin + _BLOCK, n_steps))
+        coming = moved[:, :, block]
+        if begin:
+            ago = block[None, :] - np.arange(begin)[:, None]
+            coming = coming - change[:, :, :begin] @ by_impulse[ago]
+        for i, at in enumerate(block):
+            turn = coming[:, :, i]
+            if i:
+                turn = turn - change[:, :, begin:at] @ by_impulse[i:0:-1]
+            remembered = np.sum(along.by_memory[:, at] * memory, axis=2)
+            turn = (turn - by_impulse[0] * remembered) * left[:, at]
+            change[:, :, at] = along.by_turn[:, at] * turn + remembered
+            memory = along.kept[:, at] * memory + along.followed[:, at] * turn[:, :, None]
+    return change
