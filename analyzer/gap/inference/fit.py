@@ -48,7 +48,6 @@ _EDGE = 1e-9
 _TRIALS = 6  # of a step, each more damped
 _PART = 2e-5  # of the cost: a step that gains less ends a fit, however far from the data it is
 _NOTHING = 0.2  # of the tolerance: a step that promises less is not tried
-_LAW_STEPS = 8  # of a joint's law, which is linearised anew for each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,22 +186,30 @@ def fit_hypothesis(
         about = linearised(hypothesis, stage.models, stage.lines, values, last=True)
         return once(about, start=values, resumed=None, max_iterations=0)
 
+    used = range(len(stage.lines)) if postures is None else postures
+
+    def cost_there(values: Mapping[str, float]) -> float:
+        try:
+            about = linearised(
+                hypothesis, stage.models, stage.lines, values, last=True, slopes=False
+            )
+        except np.linalg.LinAlgError:
+            return float("inf")
+        return cost_of(stage, about, space, space.start(values), used)
+
     best, damping = at(space.values(u)), FIRST_DAMPING
-    for _ in range(_LAW_STEPS if max_iterations else 0):
+    for _ in range(max_iterations):
         if is_hopeless is not None and is_hopeless(best):
             break
         little = max(tolerance, _PART * best.cost)
         step, promised = damped_step(space, best.u, best.slope, best.curvature, damping)
         if promised < _NOTHING * little:
             return replace(best, converged=True)
-        try:
-            there = at(space.values(np.clip(best.u + step, space.low, space.high)))
-            gained = best.cost - there.cost
-        except np.linalg.LinAlgError:
-            gained = -np.inf
+        trial = space.values(np.clip(best.u + step, space.low, space.high))
+        gained = best.cost - cost_there(trial)
         damping = next_damping(damping, gained / promised)
         if gained > 0.0:
-            best = replace(there, damping=damping)
+            best = replace(at(trial), damping=damping)
             if gained < little:
                 return replace(best, converged=True)
     return best
