@@ -211,11 +211,12 @@ def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_N
         np.array([tails[name].p_value(gain) for gain in gains]) for name, gains in largest.items()
     ]
     least = np.min(of_each, axis=0)
-    by_level = {name: tails[look.effect.name] for look in looks[:1] for name in names_of_laws()}
+    for look in looks[:1]:
+        tails |= dict.fromkeys(names_of_laws(), tails.pop(look.effect.name))
     return Calibration(
         false_name=false_name,
         n_replicas=drawn.replicas.shape[1],
-        tails=tails | by_level,
+        tails=tails,
         whole=Tail.of(of_any),
         least_p=float(np.quantile(least, false_name)),
         dispersion=drawn.dispersion,

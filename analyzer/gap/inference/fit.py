@@ -186,7 +186,7 @@ def fit_hypothesis(
         about = linearised(hypothesis, stage.models, stage.lines, values, last=True)
         return once(about, start=values, resumed=None, max_iterations=0)
 
-    used = range(len(stage.lines)) if postures is None else postures
+    used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
 
     def cost_there(values: Mapping[str, float]) -> float:
         try:
@@ -197,7 +197,10 @@ def fit_hypothesis(
             return float("inf")
         return cost_of(stage, about, space, space.start(values), used)
 
-    best, damping = at(space.values(u)), FIRST_DAMPING
+    if resumed is not None and resumed.on == (stage, used):
+        best, damping = resumed, resumed.damping
+    else:
+        best, damping = at(space.values(u)), FIRST_DAMPING
     for _ in range(max_iterations):
         if is_hopeless is not None and is_hopeless(best):
             break
@@ -212,7 +215,7 @@ def fit_hypothesis(
             best = replace(at(trial), damping=damping)
             if gained < little:
                 return replace(best, converged=True)
-    return best
+    return replace(best, damping=damping)
 
 
 def _fit(

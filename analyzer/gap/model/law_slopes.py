@@ -11,7 +11,7 @@ beside those of the hit itself (`swings.py`), for all parameters at once.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.swings import SIGMA_RAD_S, STEP_S, pulse
 
-__all__ = ["torque_slopes"]
+__all__ = ["Tangents", "tangents_along", "torque_slopes"]
 
 Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
@@ -39,13 +39,44 @@ _BLOCK = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Along:
+class Tangents:
     """An element along its swings, over long steps: `joint_laws.Tangent`, (n, n_steps, ...)."""
 
+    at_once: int  # steps of a swing in a long one
     by_turn: Array32
     by_memory: Array32
     kept: Array32
     followed: Array32
+
+    def of(self, rows: slice) -> Tangents:
+        """Return those of some swings."""
+        return Tangents(
+            at_once=self.at_once,
+            by_turn=self.by_turn[rows],
+            by_memory=self.by_memory[rows],
+            kept=self.kept[rows],
+            followed=self.followed[rows],
+        )
+
+
+def tangents_along(element: Element, turn: Array, by_torque: Sequence[ComplexArray]) -> Tangents:
+    """Return an element's tangents along swings, over as long steps as are stable.
+
+    Parameters
+    ----------
+    element, turn
+        Of n rows; (n, n_steps) rad.
+    by_torque
+        (L,) turns by a unit torque, of every posture among them (`swings.Swings`).
+    """
+    n_lines = len(_lines(turn.shape[1], STEP_S))
+    for at_once in _TOGETHER:
+        found = _along(element, turn, at_once)
+        steps = _Steps(at_once=at_once, n=turn.shape[1] // at_once)
+        first = max(steps.step_s * steps.in_time(own[:n_lines], 0.0)[1] for own in by_torque)
+        if first * found.by_turn.max() < _STABLE:
+            break
+    return found
 
 
 def torque_slopes(
@@ -55,8 +86,7 @@ def torque_slopes(
     values: Mapping[str, float],
     row: Array,
     by_torque: ComplexArray,
-    element: Element,
-    turn: Array,
+    tangents: Tangents,
     torque: Array,
 ) -> ComplexArray:
     """Return (n_parameters, n_hits, L) what a deviation of each parameter changes in the torque.
@@ -71,32 +101,30 @@ def torque_slopes(
         (N,) by which the joint's spring stretches.
     by_torque
         Its turn by a unit torque, rad/(N m) (`swings.Swings`).
-    element
+    tangents
         Of n_hits rows.
-    turn, torque
-        (n_hits, n_steps) of the joint and of the law under each hit, rad and N m.
+    torque
+        (n_hits, n_steps) of the law under each hit, N m.
 
     Returns
     -------
     On the posture's lines, N m a N of each hit's force.
     """
     (lines,) = together.lines
-    taken = torque * np.exp(-SIGMA_RAD_S * STEP_S * np.arange(turn.shape[1]))
-    s = _lines(turn.shape[1], STEP_S)
+    n_hits, n_steps = torque.shape
+    taken = torque * np.exp(-SIGMA_RAD_S * STEP_S * np.arange(n_steps))
+    s = _lines(n_steps, STEP_S)
     on_lines = STEP_S * np.fft.rfft(taken)[:, : len(s)]
     force = _forces(lines, s)
     by_force = together.turn_derivatives(
         plain, space, values, row[None], s[None], (on_lines / force)[None]
     )[:, 0]
-    found = np.zeros((len(space), len(turn), len(lines.s_rad_s)), dtype=np.complex64)
+    found = np.zeros((len(space), n_hits, len(lines.s_rad_s)), dtype=np.complex64)
     moves = np.abs(by_force).max(axis=(1, 2)) > 0.0
-    for at_once in _TOGETHER:
-        steps = _Steps(at_once=at_once, n=turn.shape[1] // at_once)
-        along = _along(element, turn, steps)
-        by_impulse = steps.step_s * steps.in_time(by_torque[: len(s)], 0.0)
-        if by_impulse[1] * along.by_turn.max() < _STABLE:
-            break
-    change = _followed(along, steps.in_time(by_force[moves] * force, steps.middle_s), by_impulse)
+    steps = _Steps(at_once=tangents.at_once, n=n_steps // tangents.at_once)
+    moved = steps.in_time(by_force[moves] * force, steps.middle_s)
+    by_impulse = steps.step_s * steps.in_time(by_torque[: len(s)], 0.0)
+    change = _followed(tangents, moved, by_impulse)
     kernel = np.exp(-np.outer(steps.seconds + steps.middle_s, lines.s_rad_s))
     slopes = change @ (steps.step_s * kernel).astype(np.complex64)
     found[moves] = slopes / _forces(lines, lines.s_rad_s)
@@ -147,27 +175,29 @@ def _forces(lines: PostureLines, s: ComplexArray) -> ComplexArray:
     return np.stack([pulse(s, float(peak), lines.width_s) for peak in lines.peaks_n])
 
 
-def _along(element: Element, turn: Array, steps: _Steps) -> _Along:
+def _along(element: Element, turn: Array, at_once: int) -> Tangents:
     """What the tangents of short steps make of a long one, the turn's change alike in each."""
     n, n_memory = len(turn), element.n_memory
     memory = np.zeros((n, n_memory))
     found = []
-    for begin in range(0, steps.n * steps.at_once, steps.at_once):
+    for begin in range(0, turn.shape[1] - at_once + 1, at_once):
         kept, followed = np.ones((n, n_memory)), np.zeros((n, n_memory))
         by_turn, by_memory = np.zeros(n), np.zeros((n, n_memory))
-        for x in turn[:, begin : begin + steps.at_once].T:
+        for x in turn[:, begin : begin + at_once].T:
             own = element.tangent(x, memory, STEP_S)
-            by_turn += (own.by_turn + np.sum(own.by_memory * followed, axis=1)) / steps.at_once
-            by_memory += own.by_memory * kept / steps.at_once
+            by_turn += (own.by_turn + np.sum(own.by_memory * followed, axis=1)) / at_once
+            by_memory += own.by_memory * kept / at_once
             followed = own.kept * followed + own.followed
             kept = own.kept * kept
             memory = element.remember(x, memory, STEP_S)
         found.append((by_turn, by_memory, kept, followed))
     every = [np.stack(own, axis=1).astype(np.float32) for own in zip(*found, strict=True)]
-    return _Along(by_turn=every[0], by_memory=every[1], kept=every[2], followed=every[3])
+    return Tangents(
+        at_once=at_once, by_turn=every[0], by_memory=every[1], kept=every[2], followed=every[3]
+    )
 
 
-def _followed(along: _Along, moved: Array32, by_impulse: Array32) -> Array32:
+def _followed(along: Tangents, moved: Array32, by_impulse: Array32) -> Array32:
     """Torque's changes (k, n, n_steps) under turns' (k, n, n_steps); (n_steps,) a step's torque."""
     k, n, n_steps = moved.shape
     change = np.zeros_like(moved)

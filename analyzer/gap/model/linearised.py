@@ -27,7 +27,7 @@ from armodal.analyzer.gap.model.joint_laws import (
     added_logs,
     stacked,
 )
-from armodal.analyzer.gap.model.law_slopes import torque_slopes
+from armodal.analyzer.gap.model.law_slopes import tangents_along, torque_slopes
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.swings import (
@@ -337,11 +337,18 @@ def _with_all_slopes(
     near = _with_springs(plain, law.joint, springs)
     space = plain.space()
     table = dict(about.table)
-    for model, own, (turn, torque) in zip(models, lines, followed, strict=True):
+    counts = [len(turn[0]) for turn, _ in followed]
+    every = [law.element(values, law.load_n_m(postures[own.name].geometry)) for own in lines]
+    tangents = tangents_along(
+        stacked(every, counts),
+        np.concatenate([turn[0] for turn, _ in followed]),
+        [posture.swings[0].by_torque for posture in postures.values()],
+    )
+    ends = np.cumsum(counts)
+    for model, own, (_, torque), end in zip(models, lines, followed, ends, strict=True):
         together, posture = Postures([model], [own]), postures[own.name]
         assembly = together.assembled(plain, values)[0]
         row = _row(assembly, law.joint)
-        element = law.element(values, law.load_n_m(posture.geometry))
         changes = torque_slopes(
             together,
             plain,
@@ -349,8 +356,7 @@ def _with_all_slopes(
             values,
             row,
             posture.swings[0].by_torque,
-            stacked([element], [len(turn[0])]),
-            turn[0],
+            tangents.of(slice(end - len(torque[0]), end)),
             torque[0],
         )
         load = together.response(plain, values).under_a_torque(row[None])[0]

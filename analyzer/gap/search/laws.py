@@ -42,7 +42,7 @@ def fitted_laws(
 
     Returns
     -------
-    Some steps of each on sharp lines.
+    Some steps of each on sharp lines; of the best all.
     """
     present, ordinary = base.hypothesis, base.hypothesis.ordinary
     if not ordinary.swings or present.level_dependent:
@@ -61,8 +61,12 @@ def fitted_laws(
         start = _best_start(broad, richer, before)
         if start is not None:
             found.append(race.to_its_end(race.fit(richer, start=start)))
-    hopeful = [fit for fit in found if not race.is_hopeless(fit)]
-    return [races[sharp].fit(fit.hypothesis, resumed=fit) for fit in hopeful]
+    found = sorted((f for f in found if not race.is_hopeless(f)), key=lambda fit: fit.evidence)
+    there = races[sharp]
+    fits = [there.fit(fit.hypothesis, resumed=fit) for fit in found[:1]]
+    # What leads goes to its end first: the others are soon set beside what they have to reach.
+    fits = [there.to_its_end(fit) for fit in fits]
+    return [*fits, *(there.fit(fit.hypothesis, resumed=fit) for fit in found[1:])]
 
 
 def _best_start(stage: Stage, hypothesis: Hypothesis, base: Fit) -> Mapping[str, float] | None:

@@ -33,12 +33,12 @@ __all__ = [
 def changes_with_level(stage: Stage, fit: Fit) -> list[Candidate]:
     """What a common change of each joint with the level promises, best first.
 
-    None where soft and hard hits are not told apart, or an effect of a model follows the level.
+    Nothing where soft and hard hits are not told apart, or an effect of a model follows the level.
     """
-    hypothesis = fit.hypothesis
-    if hypothesis.level_dependent:
+    changes = any_change(fit.hypothesis.ordinary)
+    if fit.hypothesis.level_dependent or not changes:
         return []
-    return scan_instances(stage, fit, any_change(hypothesis.ordinary))
+    return scan_instances(stage, fit, changes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
