@@ -14,7 +14,7 @@ Davison and Hinkley, Bootstrap Methods and their Application (1997), section 4.2
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -151,6 +151,10 @@ class Calibrations:
         last = self._last
         if last is None or last[0] is not stage or last[1] is not present or last[2] is not best:
             found = calibrate(stage, present, best, self.false_name)
+            if last is not None and last[0] is stage and last[1] is present:
+                # A model is wrong where it errs with its best rival and without.
+                least = min(last[3].error_ratio, found.error_ratio)
+                found = replace(found, error_ratio=least)
             last = self._last = stage, present, best, found
         return last[3]
 

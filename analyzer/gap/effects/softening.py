@@ -25,7 +25,7 @@ WORDS = EffectWords(
     confused_with=("microslip", "friction", "backlash"),
     covers=COVERED,
     covers_here=COVERED_HERE,
-    told_by="hits between soft and hard: their damping lies in between, too",
+    told_by="hits between soft and hard: their frequencies and damping",
     remedy="give the joint's stiffness at the level of use; look at preloads that open",
 )
 
