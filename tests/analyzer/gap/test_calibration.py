@@ -85,11 +85,11 @@ def test_a_law_has_the_limit_of_a_joint_s_change_with_the_level(monkeypatch):
     """No replica is followed in time: the look at its joint stands for it."""
     look = Instance(effect=SimpleNamespace(name="level"), place="a", level_dependent=True)
     found = calibrated(monkeypatch, 0.01, looks=(look,))
-    # It is in place of what gains most.
-    assert found.limit("level") > found.limit("some") > found.limit("little")
+    assert "level" not in found.tails  # no effect, and none of a result
     assert len(names_of_laws()) > 1
     for name in names_of_laws():
-        assert found.limit(name) == found.limit("level")
+        # It is in place of what gains most.
+        assert found.limit(name) > found.limit("some") > found.limit("little")
         assert found.p_value(name, 0.9 * found.limit(name)) > 0.01
     # Where hits are not told apart no law is followed, and none has a limit of its own.
     none = calibrated(monkeypatch, 0.01)
@@ -207,9 +207,19 @@ def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
 
 def test_a_model_is_calibrated_anew_only_where_another_is_best(monkeypatch):
     made = []
-    monkeypatch.setattr(calibration, "calibrate", lambda *given: made.append(given))
+    ratios = iter((0.8, 1.2, 0.6))
+
+    def calibrate_(*given):
+        made.append(given)
+        return made_calibration(error_ratio=next(ratios))
+
+    monkeypatch.setattr(calibration, "calibrate", calibrate_)
     present, one, two = with_effect(100.0), with_effect(90.0), with_effect(80.0)
     calibrations = Calibrations(0.05)
-    for rivals in ((), (), (one,), (one,), (one, two)):
-        calibrations.of(None, present, rivals)
+    told = [
+        calibrations.of(None, present, rivals).error_ratio
+        for rivals in ((), (), (one,), (one,), (one, two))
+    ]
     assert made == [(None, present, best, 0.05) for best in (present, one, two)]
+    # A model is wrong where it errs with its best rival and without.
+    assert told == [0.8, 0.8, 0.8, 0.8, 0.6]
