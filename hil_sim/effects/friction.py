@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
@@ -26,6 +27,7 @@ class Friction(BaseEffect):
     One element is Coulomb friction of `limit_n_m` behind the stiffness of its seat. Several share
     stiffness and limit so that they begin to slip one after the other, the first at a small part
     of the limit: microslip, whose loss and stiffness change with the amplitude from the start.
+    Limits rise by a power of their order, `rise`.
     """
 
     kind: Literal["friction"]
@@ -33,19 +35,25 @@ class Friction(BaseEffect):
     limit_n_m: Positive
     stiffness_n_m_per_rad: Positive
     elements: Annotated[int, Field(ge=1, le=12)] = 1
+    rise: Positive = 1.0
 
     def act(self, terms: LinearTerms) -> None:
         """Put the elements beside the spring."""
         n = self.elements
         shares = np.full(n, 1.0 / n)
-        rising = np.linspace(1.0 / n**2, (2.0 * n - 1.0) / n**2, n)  # sums to 1
+        rising = _order(n) ** self.rise
         terms.elements.append(
             Sliders(
                 row=terms.stretch_of(self.joint),
                 k=self.stiffness_n_m_per_rad * shares,
-                limit=self.limit_n_m * rising,
+                limit=self.limit_n_m * rising / rising.sum(),
             )
         )
+
+
+def _order(n: int) -> npt.NDArray[np.float64]:
+    """The middles of n equal parts of one."""
+    return np.arange(1, 2 * n, 2) / (2.0 * n)
 
 
 def _friction(own: FileEffect) -> Twin:
@@ -63,15 +71,17 @@ def _friction(own: FileEffect) -> Twin:
 
 
 def _microslip(own: FileEffect) -> Twin:
-    """Sliders that slip one after the other, evenly up to a turn (Iwan 1966)."""
+    """Sliders that slip one after the other up to a turn (Iwan 1966)."""
     k = own.sizes["seat"] * spring_of(own)
     turn = swing_of(own) * float(np.exp(own.sizes["ln_seat_slips"]))
+    rise = float(np.exp(own.sizes.get("ln_seat_spread", 0.0)))
     table = {
         "kind": "friction",
         "joint": own.joint.name,
-        "limit_n_m": 0.5 * k * turn,
+        "limit_n_m": k * turn * float(np.mean(_order(_SLIDERS) ** rise)),
         "stiffness_n_m_per_rad": k,
         "elements": _SLIDERS,
+        "rise": rise,
     }
     return Twin(tables=[table])
 

@@ -161,7 +161,7 @@ def test_an_effect_that_lacks_a_size_is_told():
 SWING = 3e-5
 LAWS = {
     "friction": {"limit": 0.2, "ln_presliding": 1.2, "creep": 0.0},
-    "microslip": {"seat": 0.6, "ln_seat_slips": -0.4},
+    "microslip": {"seat": 0.6, "ln_seat_slips": -0.4, "ln_seat_spread": 0.5},
     "softening": {"softer": 0.2, "ln_bend": 0.3},
     "backlash": {"play": 0.7, "ln_half_play": -0.8},
 }
