@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 
-import numpy as np
-
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
 from armodal.analyzer.gap.decision.mounting_share import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
@@ -26,7 +24,6 @@ __all__ = [
     "Judged",
     "Thresholds",
     "ends_alike",
-    "is_certain",
     "is_plainer",
     "judge",
     "matters",
@@ -83,7 +80,6 @@ def judge(
         r
         for r in rivals
         if present.evidence - r.evidence > calibration.limit(r.last.effect.name)
-        and is_certain(r)
         and is_shared(stage, present, r)
     ]
     material = [r for r in clear if r.last.is_material(r.values)]
@@ -147,16 +143,6 @@ def is_plainer(joint: Fit, axis: Fit, present: Fit) -> bool:
     """
     gain = present.evidence - axis.evidence
     return _is_also(axis, joint) and joint.evidence - axis.evidence < _PART_OF_GAIN * gain
-
-
-def is_certain(fit: Fit) -> bool:
-    """Whether the last effect's size is known well enough to be more than a patch."""
-    added = fit.last
-    if not added.least_certain:
-        return True
-    i = fit.space.index[added.size]
-    std = float(fit.space.std[i] * np.sqrt(fit.covariance()[i, i]))
-    return fit.values[added.size] >= added.least_certain * std
 
 
 def one_mechanism(

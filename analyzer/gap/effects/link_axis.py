@@ -40,9 +40,6 @@ WORDS = EffectWords(
     one_such_as="a crack or a bolt in the link that opens under one sign of load",
 )
 _MATERIAL = 0.012  # of the arm's compliance
-# A line anywhere with any direction patches what no line left: on a null one of 3.4e-6 rad/(N m)
-# stood at 9 of its deviations, the faintest true one at 27.
-_LEAST_CERTAIN = 15.0
 _LEAST_M, _LEAST_KG = 1e-6, 1e-6
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # to a joint's axis: 11 degrees, 30 mm
 _ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it
@@ -163,7 +160,6 @@ def at_axis(
         size=gamma,
         shapes=(*moves, part, spread) if before else moves,
         material=_MATERIAL * ordinary.scale(link),
-        least_certain=_LEAST_CERTAIN,
         pieces=f"axis {name}" if before else "",
         is_line=not before,
     )

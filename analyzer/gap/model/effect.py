@@ -116,7 +116,6 @@ class Instance:
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name
-    least_certain: float = 0.0  # size over its deviation, below which it is only a patch
     size_offset: float = 0.0  # of the size: what the null has anyway; only more is an effect
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     # ln k of the joint whose compliance it is a part of, as long as nothing else of it is seen.

@@ -11,7 +11,6 @@ from support.made_gap_fits import made_fit
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import (
-    is_certain,
     is_plainer,
     judge,
     one_mechanism,
@@ -82,18 +81,6 @@ def test_an_axis_in_a_link_and_a_slip_at_one_of_its_joints_are_a_crack_nobody_li
         assert one_mechanism([slip, axis], JOINTS) == ((axis, slip) if told else None)
 
 
-def fitted(value, std):
-    """A fit of an axis whose size is known to a standard deviation, given in the prior's."""
-    size = Parameter(name="size", unit="", mean=0.0, std=1.0, low=0.0)
-    axis = Instance(
-        effect=link_axis.WORDS, place="l", parameters=(size,), size="size", least_certain=15.0
-    )
-    curvature = np.array([[1.0 / std**2 - 1.0]])  # the prior adds its own
-    hypothesis = Hypothesis(ordinary=None, instances=(axis,))
-    fit = made_fit(hypothesis, cost=0.0, space=Space([size]), u=[value])
-    return replace(fit, curvature=curvature)
-
-
 def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_rests_on():
     """Else what it explains would count as explained, and nobody would be told."""
     notes = []
@@ -149,9 +136,7 @@ def test_a_parameter_at_its_bound_has_a_one_sided_interval(side):
         Parameter(name="other", unit="", mean=0.0, std=1.0),
     )
     fit = replace(
-        fitted(0.0, 1.0),
-        space=Space(priors),
-        u=np.zeros(2),
+        made_fit(Hypothesis(ordinary=None), cost=0.0, space=Space(priors), u=[0.0, 0.0]),
         curvature=H - np.eye(2),  # the prior adds its own
         slope=np.array([side * 1.5, 0.0]),
         free=np.array([False, True]),
@@ -253,11 +238,6 @@ def test_what_is_small_is_named_where_it_explains_most_of_what_is_missing(left, 
     assert judge(OF_1000, present, [small, large], LIMITS).named is None
 
 
-def test_an_axis_of_uncertain_size_is_only_a_patch():
-    assert is_certain(fitted(0.32, 0.02))
-    assert not is_certain(fitted(0.28, 0.02))
-
-
 @pytest.mark.parametrize(("behind", "is_joint"), [(50.0, True), (150.0, False)])
 def test_a_joint_believed_rigid_is_the_name_only_where_an_axis_on_it_explains_little_more(
     behind, is_joint
@@ -266,15 +246,6 @@ def test_a_joint_believed_rigid_is_the_name_only_where_an_axis_on_it_explains_li
     joint = rival(released_joint.WORDS, "j1", line.evidence + behind)
     assert is_plainer(joint, line, ORDINARY) == is_joint
     assert not is_plainer(joint, with_changed(line, is_also=lambda *_: False), ORDINARY)
-
-
-@pytest.mark.parametrize("gain", [100.0, 1e6])
-def test_an_axis_of_uncertain_size_is_a_patch_however_much_it_explains(gain):
-    for std, is_named in ((0.01, True), (0.02, False)):
-        line = fitted(0.28, std)
-        present = rival(coupling.WORDS, "before", line.evidence + gain)
-        found = judge(OF_1000, present, [line], made_calibration(50.0))
-        assert (found.named is line) == is_named
 
 
 def with_changed(fit, **changes):
