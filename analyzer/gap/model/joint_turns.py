@@ -1,4 +1,4 @@
-"""A joint's turn in solved postures, and its derivatives by every parameter.
+"""A joint's turn in solved postures, its derivatives by every parameter, and a torque along it.
 
 The turn is taken for a channel of one mounting a hit, so that what is known of recorded channels
 holds for it.
@@ -15,11 +15,14 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.model.assembly import Assembly, System
 from armodal.analyzer.gap.model.derivatives import Solved
+from armodal.analyzer.gap.model.line_arrays import real_times
+from armodal.analyzer.gap.model.response import Response, on_true_axes
 from armodal.analyzer.gap.model.systems import MotionSlopes, Slopes, systems
 
-__all__ = ["SolvedTurns", "turned_systems"]
+__all__ = ["SolvedTurns", "holding_back", "turned_systems"]
 
 Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 
 def turned_systems(assemblies: Sequence[Assembly], rows: Array) -> System:
@@ -44,6 +47,21 @@ def turned_systems(assemblies: Sequence[Assembly], rows: Array) -> System:
         decay_rad_s=np.zeros(P),
         sensor_mass_kg=np.zeros(P),
     )
+
+
+def holding_back(found: Response, row: Array, torque: ComplexArray) -> Response:
+    """Return a solution while a torque is held back along a row (P, N), which stays.
+
+    `torque` (P, m, L): per unit force of each mounting's hit.
+    """
+    system = found.system
+    by_torque = np.einsum("plij,pj->pil", found.H, row[:, found.moving])  # (P, n, L)
+    at_sensor = real_times(system.moved, np.ascontiguousarray(by_torque)[:, None])
+    x = found.x - torque[:, :, None] * by_torque[:, None]
+    for a in range(3):
+        pull = sum(found.S[:, :, a, b] * at_sensor[:, :, b] for b in range(3))
+        x += found.HU[:, :, :, a] * (torque * np.asarray(pull))[:, :, None]
+    return replace(found, x=x, true_axes=on_true_axes(system, found.s_rad_s, found.factor, x))
 
 
 @dataclass(frozen=True, slots=True)

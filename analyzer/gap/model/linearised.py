@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.assembly import Assembly
-from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import PostureGeometry
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.joint_laws import (
@@ -27,7 +26,8 @@ from armodal.analyzer.gap.model.joint_laws import (
     added_logs,
     stacked,
 )
-from armodal.analyzer.gap.model.law_slopes import tangents_along, torque_slopes
+from armodal.analyzer.gap.model.law_beside import with_all_slopes
+from armodal.analyzer.gap.model.law_in_place import joint_row, on_lines, with_springs
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
 from armodal.analyzer.gap.model.swings import (
@@ -37,7 +37,6 @@ from armodal.analyzer.gap.model.swings import (
     forces_of,
     free_turns,
     march,
-    pulse,
     seconds,
     turns_of,
 )
@@ -50,7 +49,6 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
 _STEP = 0.02  # of a parameter's prior deviation
-_SPRING = EffectWords(name="in place", title="Spring in a law's place", changes="", signature="")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +181,8 @@ def _about(
     about = _beside(plain, law, models, lines, values, followed, per_unit)
     if not slopes:
         return about
-    return _with_all_slopes(about, plain, law, models, lines, values, postures, followed)
+    by_torque = {name: posture.swings[0].by_torque for name, posture in postures.items()}
+    return with_all_slopes(about, plain, law, models, lines, values, by_torque, followed)
 
 
 def joint_postures(
@@ -200,19 +199,11 @@ def joint_postures(
             continue
         assembly = Postures([model], [own]).assembled(plain, values)[0]
         system = systems([assembly])
-        rows = [_row(assembly, joint) for joint in joints]
+        rows = [joint_row(assembly, joint) for joint in joints]
         found[own.name] = JointPosture(
             swings=turns_of(system, rows), geometry=assembly.geometry, values=values
         )
     return found
-
-
-def _row(assembly: Assembly, joint: str) -> Array:
-    """(n,) by which a joint's spring stretches."""
-    row = np.zeros(len(assembly.columns))
-    stretch = assembly.joint_row(joint)
-    row[: stretch.size] = stretch
-    return row
 
 
 def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLines]) -> list[_Swung]:
@@ -276,15 +267,15 @@ def _beside(
     """Springs and dampers in the law's place, and what is added to their response."""
     joint = law.joint
     springs = dict(zip([own.key for own in lines], _in_place(law, values, followed), strict=True))
-    near = _with_springs(plain, joint, springs)
+    near = with_springs(plain, joint, springs)
     table = {}
     for model, own, (_, torque) in zip(models, lines, followed, strict=True):
         together = Postures([model], [own])
         without = together.response(plain, values)
-        row = _row(together.assembled(plain, values)[0], joint)
+        row = joint_row(together.assembled(plain, values)[0], joint)
         load = without.under_a_torque(row[None])[0]  # (m, 3, L)
-        on_lines = _on_lines(own, torque)  # (points, hits, L)
-        change = -load * on_lines[:, own.hit][:, :, None]  # (points, m, 3, L)
+        taken = on_lines(own, torque)  # (points, hits, L)
+        change = -load * taken[:, own.hit][:, :, None]  # (points, m, 3, L)
         nearly = together.response(near, values).values[0]
         table[own.key] = LinearLaw(
             log_k=springs[own.key][0],
@@ -296,85 +287,6 @@ def _beside(
             },
         )
     return Linearised(values={name: values[name] for name in slopes}, table=table)
-
-
-def _with_springs(
-    plain: Hypothesis, joint: str, springs: Mapping[tuple[object, ...], tuple[float, float]]
-) -> Hypothesis:
-    """The hypothesis with what a joint's law adds to ln k and ln c, by the lines' key."""
-
-    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        assembly.multiply_spring(joint, values, *springs[assembly.lines.key])
-
-    in_its_place = Instance(
-        effect=_SPRING, place=joint, builder=build, level_dependent=True, is_term=True
-    )
-    return replace(plain, instances=(*plain.instances, in_its_place))
-
-
-def _on_lines(own: PostureLines, torque: Array) -> ComplexArray:
-    """(..., n_hits, L) a N of each hit's force, of torques (..., n_hits, n_steps)."""
-    s = own.s_rad_s
-    force = np.stack([pulse(s, float(peak), own.width_s) for peak in own.peaks_n])
-    return np.asarray(torque @ (STEP_S * np.exp(-np.outer(seconds(), s))) / force)
-
-
-def _with_all_slopes(
-    about: Linearised,
-    plain: Hypothesis,
-    law: JointLaw,
-    models: Sequence[PosedModel],
-    lines: Sequence[PostureLines],
-    values: Mapping[str, float],
-    postures: Mapping[str, JointPosture],
-    followed: Sequence[tuple[Array, Array]],
-) -> Linearised:
-    """Beside it what all other parameters change in what springs and dampers leave.
-
-    A compliance that rests at none is left out: the torque's way through it is not solved for.
-    """
-    springs = {key: (own.log_k, own.log_c) for key, own in about.table.items()}
-    near = _with_springs(plain, law.joint, springs)
-    space = plain.space()
-    table = dict(about.table)
-    counts = [len(turn[0]) for turn, _ in followed]
-    every = [law.element(values, law.load_n_m(postures[own.name].geometry)) for own in lines]
-    tangents = tangents_along(
-        stacked(every, counts),
-        np.concatenate([turn[0] for turn, _ in followed]),
-        [posture.swings[0].by_torque for posture in postures.values()],
-    )
-    ends = np.cumsum(counts)
-    for model, own, (_, torque), end in zip(models, lines, followed, ends, strict=True):
-        together, posture = Postures([model], [own]), postures[own.name]
-        assembly = together.assembled(plain, values)[0]
-        row = _row(assembly, law.joint)
-        changes = torque_slopes(
-            together,
-            plain,
-            space,
-            values,
-            row,
-            posture.swings[0].by_torque,
-            tangents.of(slice(end - len(torque[0]), end)),
-            torque[0],
-        )
-        load = together.response(plain, values).under_a_torque(row[None])[0]
-        held = _on_lines(own, torque[0])[own.hit]
-        slopes = together.derivatives_holding_back(plain, space, values, row[None], held[None])
-        slopes = slopes[:, 0] - load * changes[:, own.hit][:, :, None]
-        _, in_its_place = together.derivatives(near, space, values)
-        slopes -= in_its_place[:, 0]
-        rests = {name for name in assembly.compliance_of if values[name] == 0.0}
-        here = table[own.key]
-        by = dict(here.by)
-        for name, i in space.index.items():
-            if name not in rests and slopes[i].any():
-                slope = slopes[i] / space.std[i]
-                by[name] = by[name] + slope if name in by else slope
-        table[own.key] = replace(here, by=by)
-    names = dict.fromkeys(name for own in table.values() for name in own.by)
-    return Linearised(values={name: values[name] for name in names}, table=table)
 
 
 def _in_place(

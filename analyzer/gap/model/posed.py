@@ -20,7 +20,7 @@ from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.derivatives import Solved
 from armodal.analyzer.gap.model.geometry import GeometryNear, GeometrySlopes, PostureGeometry
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.joint_turns import SolvedTurns, turned_systems
+from armodal.analyzer.gap.model.joint_turns import SolvedTurns, holding_back, turned_systems
 from armodal.analyzer.gap.model.line_arrays import as_single
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -156,7 +156,7 @@ class Postures:
         `torque` (P, m, L): per unit force of each mounting's hit; it stays.
         """
         posed = self._solved(hypothesis, values)
-        under = replace(posed, exact=posed.exact.holding_back(rows, torque))
+        under = replace(posed, exact=holding_back(posed.exact, rows, torque))
         return self._columns(under, space).whole()
 
     def turn_derivatives(
@@ -176,7 +176,7 @@ class Postures:
         plain, assemblies = self._assemblies(hypothesis, values)
         system = turned_systems(assemblies, rows)
         hit = np.broadcast_to(np.arange(system.force.shape[1]), system.force.shape[:2])
-        found = respond(system, s_rad_s, hit).holding_back(rows, torque)
+        found = holding_back(respond(system, s_rad_s, hit), rows, torque)
         posed = SolvedTurns(
             hypothesis, plain, assemblies, found, dict(values), self._slopes(), self._single, rows
         )

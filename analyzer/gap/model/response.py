@@ -45,7 +45,7 @@ from armodal.analyzer.gap.model.line_arrays import (
     real_times,
 )
 
-__all__ = ["Response", "respond"]
+__all__ = ["Response", "on_true_axes", "respond"]
 
 Array = npt.NDArray[np.floating[Any]]
 Indices = npt.NDArray[np.int64]
@@ -130,20 +130,6 @@ class Response:
     def under_a_torque(self, row: Array) -> ComplexArray:
         """(P, m, 3, L) what is recorded of a unit torque along a row (P, N)."""
         return self._along(row)[0]
-
-    def holding_back(self, row: Array, torque: ComplexArray) -> Response:
-        """Return the same while a torque is held back along a row (P, N), which stays.
-
-        `torque` (P, m, L): per unit force of each mounting's hit.
-        """
-        system = self.system
-        by_torque = np.einsum("plij,pj->pil", self.H, row[:, self.moving])  # (P, n, L)
-        at_sensor = real_times(system.moved, np.ascontiguousarray(by_torque)[:, None])
-        x = self.x - torque[:, :, None] * by_torque[:, None]
-        for a in range(3):
-            pull = sum(self.S[:, :, a, b] * at_sensor[:, :, b] for b in range(3))
-            x += self.HU[:, :, :, a] * (torque * np.asarray(pull))[:, :, None]
-        return replace(self, x=x, true_axes=_on_true_axes(system, self.s_rad_s, self.factor, x))
 
     def by_stretch(self, row: Array, weight: ComplexArray | Array) -> ComplexArray:
         """Derivative by a spring (weight 1) or a damper (weight s) that stretches by row . x.
@@ -348,10 +334,10 @@ class Response:
         return np.stack([-real_times(rows, turn) for rows in turns])
 
 
-def _on_true_axes(
+def on_true_axes(
     system: System, s: ComplexArray, factor: ComplexArray, x: ComplexArray
 ) -> ComplexArray:
-    """(P, m, 3, L) what is recorded of motions (P, m, n, L), before channels are mixed."""
+    """Return (P, m, 3, L) what is recorded of motions (P, m, n, L), before channels are mixed."""
     raw = (s**2)[:, None, None] * real_times(system.seen, x) + real_times(system.tilted, x)
     return np.asarray(raw * factor[:, None, None])
 
@@ -410,7 +396,7 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
         hit=hit,
         factor=factor,
         x=x,
-        true_axes=_on_true_axes(system, s, factor, x),
+        true_axes=on_true_axes(system, s, factor, x),
         scale=scale,
         inner=inner,
         H=H,

@@ -18,6 +18,7 @@ from armodal.analyzer.gap.inference.fit import Stage, best_starting_point, cost_
 from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.joint_laws import Bent, Play, Sliders, over_a_swing
+from armodal.analyzer.gap.model.joint_turns import holding_back
 from armodal.analyzer.gap.model.linearised import linearised, swings_of
 from armodal.analyzer.gap.model.lines import Annealing, own_lines
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -247,7 +248,7 @@ def test_a_torque_held_back_is_what_a_unit_torque_takes_off(arm):
     response = together.response(plain, values)
     shape = response.values.shape[:2] + response.values.shape[3:]
     torque = np.exp(1j * np.arange(float(np.prod(shape)))).reshape(shape)
-    held = response.holding_back(row[None], torque)
+    held = holding_back(response, row[None], torque)
     want = response.values - response.under_a_torque(row[None]) * torque[:, :, None]
     np.testing.assert_allclose(held.values, want, rtol=1e-9, atol=1e-12 * np.abs(want).max())
 
