@@ -18,8 +18,8 @@ def spring_of(own: FileEffect) -> float:
 
 
 def swing_of(own: FileEffect) -> float:
-    """Of a law; springs by the hits' level have none."""
+    """Turn of a hit of the middle level, in rad."""
     swing = own.effect.description.get("swing_rad")
     if not isinstance(swing, float):
-        raise Unlike("springs by the hits' level without a law; fit the session again")
+        raise Unlike("a joint's law without its swing; fit the session again")
     return swing

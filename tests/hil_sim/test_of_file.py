@@ -223,7 +223,7 @@ def test_what_of_a_law_the_laboratory_has_not_is_told():
     for effect, words in (
         (law("friction", creep=50.0), "it has no friction that creeps"),
         (law("softening", softer=-1.0), "it has no joint that hardens"),
-        (added("softening", "joint_1", **LAWS["softening"]), "by the hits' level without a law"),
+        (added("softening", "joint_1", **LAWS["softening"]), "law without its swing"),
     ):
         with pytest.raises(PlantError, match=words):
             with_file_effects({"links": [], "effects": []}, with_effects(ARM, effect), 1)
