@@ -75,8 +75,8 @@ class PostureLines:
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
     brakes: bool = False  # on
     known_mass: KnownMass | None = None  # bolted on
-    # (n_hits,) geometric mean of the peaks of each place hit, N, and width at half of them; where
-    # hits are known.
+    # (n_hits,) geometric mean of the peaks of each place hit, N, were all as wide at half of them;
+    # where hits are known.
     peaks_n: Array = field(default_factory=lambda: np.zeros(0))
     width_s: float = 0.0
 
@@ -214,26 +214,35 @@ def _lines_of(
         posed = replace(frf, joints_rad=joints_rad)
         lines = _thinned(superset, posed, stage, plan.sensor.mass_kg)
         own = [hit for hit in chosen if hit.posture == name]
+        widths = np.array([hit.verdict.width_s for hit in own])
+        width_s = float(np.median(widths)) if np.all(widths > 0.0) else 0.0
         result.append(
             replace(
                 lines,
                 level=level,
                 peak_n=float(np.exp(_mean_level(chosen))),
-                peaks_n=_peaks_n(superset, lines, own),
-                width_s=float(np.median([hit.verdict.width_s for hit in own])),
+                peaks_n=_peaks_n(superset, lines, own, width_s),
+                width_s=width_s,
             )
         )
     return tuple(result)
 
 
-def _peaks_n(superset: Superset, lines: PostureLines, hits: Sequence[Hit]) -> Array:
-    """(n_hits,) geometric mean of the peaks of the hits at each place and along each direction."""
+def _peaks_n(superset: Superset, lines: PostureLines, hits: Sequence[Hit], width_s: float) -> Array:
+    """(n_hits,) peaks of the hits at each place and along each direction, geometric means.
+
+    Of pulses of one width, with the impulse of their own: that is what moves a joint.
+    """
     found = []
     for point, direction in zip(lines.hit_point, lines.hit_direction, strict=True):
         name = superset.arm.points[point].id
         along = [h for h in hits if h.hit_point == name]
         along = [h for h in along if h.hit_direction @ direction > _ALONG] or along
-        found.append(float(np.exp(_mean_level(along))))
+        peak_n = np.exp(_mean_level(along))
+        if width_s:
+            widths = [np.log(hit.verdict.width_s / width_s) for hit in along]
+            peak_n *= np.exp(np.mean(widths))
+        found.append(float(peak_n))
     return np.array(found)
 
 
