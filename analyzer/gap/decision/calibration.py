@@ -199,10 +199,9 @@ def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_N
         The model without a further effect, and that of best evidence: itself or a rival.
     """
     added = () if best is present else best.hypothesis.instances[-1:]
-    # A joint's laws have one look together.
-    looks = any_change(present.hypothesis.ordinary)
-    stand_for = {look.effect.name: len(names_of_laws()) for look in looks}
-    drawn = replica_gains(stage, best, added, [*others_beside(best), *looks], stand_for=stand_for)
+    null = present.hypothesis
+    looks = () if null.level_dependent else any_change(null.ordinary)
+    drawn = replica_gains(stage, best, added, [*others_beside(best), *looks])
     by_kind: dict[str, list[Array]] = {}
     for instance, gains in zip(drawn.instances, drawn.replicas, strict=True):
         by_kind.setdefault(instance.effect.name, []).append(gains)

@@ -17,7 +17,7 @@ Lange, Little and Taylor, J. American Statistical Association 84 (1989) 881.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -58,13 +58,7 @@ class Gains:
 
 
 def replica_gains(
-    stage: Stage,
-    best: Fit,
-    added: Sequence[Instance],
-    others: Sequence[Instance],
-    *,
-    stand_for: Mapping[str, int] | None = None,
-    seed: int = 0,
+    stage: Stage, best: Fit, added: Sequence[Instance], others: Sequence[Instance], *, seed: int = 0
 ) -> Gains:
     """Draw replicas of a model and return what every effect gains on them.
 
@@ -76,8 +70,6 @@ def replica_gains(
         Effects of it that the replicas do not have.
     others
         Effects it does not have.
-    stand_for
-        By name, of how many effects one of them is the look; of one, where that is not told.
     """
     kept = tuple(i for i in best.hypothesis.instances if all(i is not a for a in added))
     # A wider prior is in the values; what exchanges channels or points has no parameter at all.
@@ -127,10 +119,9 @@ def replica_gains(
         one_sided = np.array([p.low >= 0.0 and p.name in sizes for p in instance.parameters])
         gains.append(_added(S, slope, one_sided))
         k = [p.name for p in instance.parameters].index(instance.size)
-        n = (stand_for or {}).get(instance.effect.name, 1)
-        ratios += n * [float(np.var(slope[k]) / S[k, k])]
+        ratios.append(float(np.var(slope[k]) / S[k, k]))
         slope_alone = G_alone[columns[k]] - B[:, k] @ back_alone
-        own_ratios += n * [float(np.var(slope_alone) / S[k, k])]
+        own_ratios.append(float(np.var(slope_alone) / S[k, k]))
     typical = float(np.median(ratios)) if ratios else 0.0  # of a library that only relaxes
     shared = typical - float(np.median(own_ratios)) if ratios and alone else typical
     return Gains(

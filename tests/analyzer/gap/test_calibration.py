@@ -46,7 +46,7 @@ def calibrated(monkeypatch, false_name, dispersion=1.0, library=None, looks=()):
         dispersion=dispersion,
         error_ratio=0.5,
     )
-    monkeypatch.setattr(calibration, "replica_gains", lambda *_, **__: gains)
+    monkeypatch.setattr(calibration, "replica_gains", lambda *_: gains)
     monkeypatch.setattr(calibration, "others_beside", lambda _: ())
     monkeypatch.setattr(calibration, "all_instances", lambda _: library or instances())
     monkeypatch.setattr(calibration, "any_change", lambda _: looks)
@@ -96,21 +96,19 @@ def test_a_law_has_the_limit_of_a_joint_s_change_with_the_level(monkeypatch):
     assert {none.limit(name) for name in names_of_laws()} == {none.limit_otherwise}
 
 
-def test_a_model_that_follows_the_level_is_calibrated_with_other_joints_laws_too(monkeypatch):
-    look = Instance(effect=SimpleNamespace(name="level"), place="a", level_dependent=True)
-    calibrated(monkeypatch, 0.01, looks=(look,))
+def test_a_model_that_follows_the_level_is_calibrated_without_a_look_at_it(monkeypatch):
+    calibrated(monkeypatch, 0.01)
     given = []
     drawn_of = calibration.replica_gains
     monkeypatch.setattr(
-        calibration,
-        "replica_gains",
-        lambda *args, stand_for: given.append((args[3], stand_for)) or drawn_of(*args),
+        calibration, "replica_gains", lambda *args: given.append(args[3]) or drawn_of(*args)
     )
+    look = Instance(effect=SimpleNamespace(name="level"), place="a", level_dependent=True)
+    monkeypatch.setattr(calibration, "any_change", lambda _: (look,))
     law = Instance(effect=SimpleNamespace(name="softening"), place="a", level_dependent=True)
     follows = made_fit(Hypothesis(ordinary=None, instances=(law,)), cost=100.0)
     calibrate(None, follows, follows)
-    # Each law of another joint is an effect of the library; one look is of all.
-    assert given == [([look], {"level": len(names_of_laws())})]
+    assert given == [[]]
 
 
 def test_what_was_found_anywhere_is_not_judged_by_its_own_place_alone(monkeypatch):

@@ -122,19 +122,6 @@ def test_dispersion_counts_errors_of_all_postures_alike(linear):
 
 
 @pytest.mark.usefixtures("linear")
-def test_what_stands_for_several_effects_counts_as_often():
-    """Of two the median is their mean, of three and one that of the three."""
-    both = [EITHER_WAY, OTHER]
-    middle = replica_gains(None, null(), (), both).dispersion
-    one, other = (
-        replica_gains(None, null(), (), both, stand_for={own.effect.name: 3}).dispersion
-        for own in both
-    )
-    assert abs(one - other) > 0.01 * middle
-    assert middle == pytest.approx((one + other) / 2.0)
-
-
-@pytest.mark.usefixtures("linear")
 def test_a_library_that_only_widens_priors_tells_of_no_errors():
     assert replica_gains(None, null(), (), [LOOSE]).dispersion == 0.0
 
