@@ -225,7 +225,7 @@ def _search(
         )
         if levelled is not present:
             # What had been missing hid it: from the start again, without what was said meanwhile.
-            notes = notes[-1:]
+            notes = notes[-1:] if levelled.ordinary.swings else notes[-2:]
             rounds = 0
             stages, (present, start) = _with_places(apart, levelled, start), believed
             present = replace(present, ordinary=levelled.ordinary)
@@ -351,6 +351,8 @@ def _with_levels_apart(
     notes.append(
         "the response depends on the hits' level: soft and hard hits were analysed separately"
     )
+    if not found.swings:
+        notes.append("the hits' width is not known, so no joint's law could be followed")
     told = replace(levelled, ordinary=replace(levelled.ordinary, swings=found.swings))
     # The widest lines only begin a search: there all hits together tell as much in half the time.
     return (stages[0], *found.stages), told

@@ -15,8 +15,8 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.model.assembly import Assembly, System
 from armodal.analyzer.gap.model.derivatives import Solved
-from armodal.analyzer.gap.model.line_arrays import real_times
-from armodal.analyzer.gap.model.response import Response, on_true_axes
+from armodal.analyzer.gap.model.line_arrays import real_times, recorded
+from armodal.analyzer.gap.model.response import Response
 from armodal.analyzer.gap.model.systems import MotionSlopes, Slopes, systems
 
 __all__ = ["SolvedTurns", "holding_back", "turned_systems"]
@@ -61,7 +61,8 @@ def holding_back(found: Response, row: Array, torque: ComplexArray) -> Response:
     for a in range(3):
         pull = sum(found.S[:, :, a, b] * at_sensor[:, :, b] for b in range(3))
         x += found.HU[:, :, :, a] * (torque * np.asarray(pull))[:, :, None]
-    return replace(found, x=x, true_axes=on_true_axes(system, found.s_rad_s, found.factor, x))
+    seen = recorded(system.seen, system.tilted, found.s_rad_s, x)
+    return replace(found, x=x, true_axes=seen * found.factor[:, None, None])
 
 
 @dataclass(frozen=True, slots=True)

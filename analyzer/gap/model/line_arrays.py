@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["as_single", "inverses_of_three", "lines_last", "of_hits", "real_times"]
+__all__ = ["as_single", "inverses_of_three", "lines_last", "of_hits", "real_times", "recorded"]
 
 Array = npt.NDArray[np.floating[Any]]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -37,6 +37,11 @@ def of_hits(by_hit: npt.NDArray[Any], hit: npt.NDArray[np.int64]) -> npt.NDArray
     if by_hit.shape[1] == 1:
         return np.broadcast_to(by_hit, (*hit.shape, *by_hit.shape[2:]))
     return np.asarray(by_hit[np.arange(len(hit))[:, None], hit])
+
+
+def recorded(seen: Array, tilted: Array, s: ComplexArray, x: ComplexArray) -> ComplexArray:
+    """Acceleration s^2 seen x and gravity's part tilted x (P, m, 3, L) of motions (P, m, n, L)."""
+    return np.asarray((s**2)[:, None, None] * real_times(seen, x) + real_times(tilted, x))
 
 
 def inverses_of_three(M: ComplexArray) -> ComplexArray:

@@ -43,9 +43,10 @@ from armodal.analyzer.gap.model.line_arrays import (
     lines_last,
     of_hits,
     real_times,
+    recorded,
 )
 
-__all__ = ["Response", "on_true_axes", "respond"]
+__all__ = ["Response", "respond"]
 
 Array = npt.NDArray[np.floating[Any]]
 Indices = npt.NDArray[np.int64]
@@ -334,14 +335,6 @@ class Response:
         return np.stack([-real_times(rows, turn) for rows in turns])
 
 
-def on_true_axes(
-    system: System, s: ComplexArray, factor: ComplexArray, x: ComplexArray
-) -> ComplexArray:
-    """Return (P, m, 3, L) what is recorded of motions (P, m, n, L), before channels are mixed."""
-    raw = (s**2)[:, None, None] * real_times(system.seen, x) + real_times(system.tilted, x)
-    return np.asarray(raw * factor[:, None, None])
-
-
 def _in_single(system: System) -> System:
     arrays = (f.name for f in fields(system) if f.name != "pieces")
     pieces = {
@@ -396,7 +389,7 @@ def respond(system: System, s_rad_s: ComplexArray, hit: npt.NDArray[np.int64]) -
         hit=hit,
         factor=factor,
         x=x,
-        true_axes=on_true_axes(system, s, factor, x),
+        true_axes=recorded(system.seen, system.tilted, s, x) * factor[:, None, None],
         scale=scale,
         inner=inner,
         H=H,

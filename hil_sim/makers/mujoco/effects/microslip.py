@@ -8,7 +8,7 @@ from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 
 SPAN = (0.01, 0.7)  # of the drive's stiffness, that slips away in the end
-ELEMENTS = 8
+ELEMENTS = 15
 WIDEST = (0.3, 3.0)  # limit of the last element, of a middle hit's moment times its part
 
 
