@@ -21,7 +21,6 @@ import scipy
 
 from armodal.daq.judge_anti_alias import COMPARED, NARROW_KERNEL, WIDE_KERNEL, without_narrow_pulse
 from armodal.daq.judge_disturbance import without_disturbance, without_undershoot
-from armodal.protocols.force_pulse import half_width
 
 __all__ = ["FEWEST_QUIET", "OtherPulse", "Pulses", "find_pulses"]
 
@@ -95,7 +94,7 @@ def find_pulses(
         Force between two pulses over the lower one from which the hammer has not let go.
     """
     peak_at = int(np.argmax(force_n))
-    width = half_width(force_n, peak_at)
+    width = _half_width(force_n, peak_at)
     known_width = width if np.isfinite(width) else 0.0
     beside = np.abs(np.arange(len(force_n)) - peak_at) > _BESIDE * known_width + _RINGING
     level = without_undershoot(force_n, rate_hz, highpass_hz)
@@ -172,6 +171,19 @@ def _views(level: Signal, smooth: Signal, main: int, width: float) -> list[_View
             _View(signal=broad, highest_n=float(broad.max()), top=main, reach=_TOP * width)
         )
     return views
+
+
+def _half_width(force_n: Signal, peak_at: int) -> float:
+    """Full width at half the peak in samples, by straight lines; nan where the record ends."""
+    half = 0.5 * force_n[peak_at]
+    below = np.flatnonzero(force_n < half)
+    i = int(np.searchsorted(below, peak_at)) - 1
+    if half <= 0.0 or i < 0 or i + 1 >= len(below):
+        return float("nan")
+    left, right = int(below[i]), int(below[i + 1])
+    rise = left + (half - force_n[left]) / (force_n[left + 1] - force_n[left])
+    fall = right - (half - force_n[right]) / (force_n[right - 1] - force_n[right])
+    return float(fall - rise)
 
 
 def _maxima(signal: Signal, least_n: float, floor_n: float) -> list[int]:

@@ -1,11 +1,11 @@
-"""Where a recorded force pulse begins, which sign it has, and how wide it is."""
+"""Where a recorded force pulse begins, and which sign it has."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["TURNED", "half_width", "pulse_onset", "pulse_polarity"]
+__all__ = ["TURNED", "pulse_onset", "pulse_polarity"]
 
 TURNED = (
     "the hammer's polarity is reversed, a push reads negative; its force is turned, so that FRFs "
@@ -44,33 +44,3 @@ def pulse_polarity(force: npt.ArrayLike, usual: int = 1) -> int:
     signed = usual * np.asarray(force, dtype=np.float64)
     along, against = float(signed.max(initial=0.0)), -float(signed.min(initial=0.0))
     return -usual if along < _SWING * against else usual
-
-
-def half_width(force: npt.NDArray[np.float64], peak_at: int) -> float:
-    """Return the full width of a pulse at half its peak in samples, by straight lines.
-
-    Parameters
-    ----------
-    force
-        (n,) positive along the push, any unit.
-    peak_at
-        Sample of the peak.
-
-    Returns
-    -------
-    NaN where the record cuts the pulse off.
-
-    Examples
-    --------
-    >>> half_width(np.array([0.0, 0.0, 10.0, 0.0, 0.0]), 2)
-    1.0
-    """
-    half = 0.5 * force[peak_at]
-    below = np.flatnonzero(force < half)
-    i = int(np.searchsorted(below, peak_at)) - 1
-    if half <= 0.0 or i < 0 or i + 1 >= len(below):
-        return float("nan")
-    left, right = int(below[i]), int(below[i + 1])
-    rise = left + (half - force[left]) / (force[left + 1] - force[left])
-    fall = right - (half - force[right]) / (force[right - 1] - force[right])
-    return float(fall - rise)

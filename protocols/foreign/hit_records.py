@@ -12,7 +12,7 @@ import numpy.typing as npt
 from armodal.protocols.arrays import frozen_array
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
 from armodal.protocols.errors import ForeignFileError
-from armodal.protocols.force_pulse import half_width, pulse_onset, pulse_polarity
+from armodal.protocols.force_pulse import pulse_onset, pulse_polarity
 from armodal.protocols.foreign.manifest import PostureTable
 from armodal.protocols.foreign.measured import AXES, ForeignHit
 from armodal.protocols.foreign.placement import HIT, RESPONSE, Placement
@@ -223,15 +223,13 @@ def hit_records(hits: Sequence[PlacedHit], dictionary: BoardDictionary) -> tuple
         reading = JointReading(
             joints_rad=hit.joints_rad, drive_state=None, held=True, age_s=0.0, host_s=float(i)
         )
-        polarity = pulse_polarity(hit.signals[0])
-        push = polarity * hit.signals[0]
         verdict = Verdict(
             accepted=True,
             reasons=(),
             notes=(f"imported from {hit.origin[:200]}",),
             peak_n=float(np.max(np.abs(hit.signals[0]))),
-            width_s=half_width(push, int(np.argmax(push))) / float(hit.rate_hz),
-            polarity=polarity,
+            width_s=float("nan"),
+            polarity=pulse_polarity(hit.signals[0]),
         )
         records.append(
             Hit(
