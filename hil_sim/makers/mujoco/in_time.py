@@ -15,6 +15,7 @@ from armodal.protocols.errors import PlantError
 __all__ = ["ring_in_time"]
 
 THREADS = 2
+AT_ONCE = 8  # hits; the loads and states of all steps of more need much memory
 
 
 def ring_in_time(
@@ -36,22 +37,26 @@ def ring_in_time(
     PlantError
         If the simulation does not stay finite.
     """
-    models = [run.model for run in runs]
     spec = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    start = np.zeros((len(runs), mujoco.mj_stateSize(models[0], spec)))
-    for i, run in enumerate(runs):
-        mujoco.mj_getState(run.model, run.data, start[i], spec)
-    control = np.array([np.outer(f, load) for f, load in zip(forces_n, loads, strict=True)])
-    _, readings = mujoco.rollout.rollout(
-        models,
-        [mujoco.MjData(models[0]) for _ in range(THREADS)],
-        start,
-        control,
-        control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED),
-    )
-    if not np.all(np.isfinite(readings)):
+    hands = [mujoco.MjData(runs[0].model) for _ in range(THREADS)]
+    readings: list[Array] = []
+    for first in range(0, len(runs), AT_ONCE):
+        some = runs[first : first + AT_ONCE]
+        start = np.zeros((len(some), mujoco.mj_stateSize(some[0].model, spec)))
+        for i, run in enumerate(some):
+            mujoco.mj_getState(run.model, run.data, start[i], spec)
+        pushes = zip(forces_n[first : first + AT_ONCE], loads[first:], strict=False)
+        _, rung = mujoco.rollout.rollout(
+            [run.model for run in some],
+            hands,
+            start,
+            np.array([np.outer(force, load) for force, load in pushes]),
+            control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED),
+        )
+        readings += list(rung)
+    if not all(np.all(np.isfinite(reading)) for reading in readings):
         raise PlantError(
             "the simulation in time did not stay finite: an effect of this size is stiffer or "
             "lighter than its steps can follow"
         )
-    return list(readings)
+    return readings

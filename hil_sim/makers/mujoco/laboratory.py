@@ -27,8 +27,9 @@ __all__ = ["Laboratory", "site_jacobian", "true_angles"]
 
 Streams = Callable[..., np.random.Generator]
 
-FINER = 2  # steps of the simulation in a sample
-FILTER_TAPS = 61  # linear phase, its delay taken off, as recorders do
+FINER = 2  # steps in a sample, on the modes' recursion
+FINER_IN_TIME = 8  # steps of a simulation in time
+FILTER_HALF = 15  # samples; linear phase, its delay taken off, as recorders do
 ENCODER_NOISE_RAD = 2e-5
 BRAKES_HOLD = 500.0  # times as stiff as the servo
 
@@ -80,8 +81,9 @@ class Laboratory:
         levels_n: Sequence[float] | None,
         streams: Streams,
     ) -> list[Recorded]:
-        rate = FINER * float(plan.sampling.rate_hz)
-        samples = FINER * plan.sampling.samples
+        finer = FINER_IN_TIME if machine.nonlinear else FINER
+        rate = finer * float(plan.sampling.rate_hz)
+        samples = finer * plan.sampling.samples
         angles = true_angles(self.ordinary, posture.joints_rad)
         peaks = self._peaks(plan, posture, levels_n)
         strikes: list[_Strike] = []
@@ -99,7 +101,7 @@ class Laboratory:
                 aimed = self._aimed(machine, plants[sensor], posture, struck)
                 swing = blow(self.bench, of_hit, peak, self.ordinary.table.peaks_n[1], aimed[0])
                 load = _load(machine, plants[sensor], struck, swing)
-                start = (plan.sampling.pretrigger + swing.late_samples) * FINER / rate
+                start = (plan.sampling.pretrigger + swing.late_samples) * finer / rate
                 strikes.append(
                     _Strike(
                         sensor=sensor,
@@ -155,7 +157,7 @@ class Laboratory:
         felt = felt @ bench.sensor.T @ bench.point_sensor.get(strike.sensor, np.eye(3)).T
         force = strike.force * bench.hammer_gain
         record = np.column_stack([force, felt])
-        record = _decimated(record, FINER)
+        record = _decimated(record, FINER_IN_TIME if self.machine.nonlinear else FINER)
         if bench.late_s:
             record[:, 1:] = _later(record[:, 1:], bench.late_s * rate_hz)
         corner = 2.0 * np.pi * bench.highpass_hz / (2.0 * rate_hz)
@@ -258,8 +260,9 @@ def site_jacobian(plant: Compiled) -> tuple[Array, Array, Array]:
 
 
 def _decimated(record: Array, every: int) -> Array:
-    taps = scipy.signal.firwin(FILTER_TAPS, 0.8 / every)
-    padded = np.pad(record, ((FILTER_TAPS // 2, FILTER_TAPS // 2), (0, 0)), mode="edge")
+    half = FILTER_HALF * every
+    taps = scipy.signal.firwin(2 * half + 1, 0.8 / every)
+    padded = np.pad(record, ((half, half), (0, 0)), mode="edge")
     filtered = scipy.signal.oaconvolve(padded, taps[:, None], mode="valid", axes=0)
     return np.asarray(filtered[::every])
 

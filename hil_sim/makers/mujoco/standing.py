@@ -39,6 +39,7 @@ FREE_STIFFNESS = 0.35  # std of ln k and ln c, that nobody knows
 FREE_DAMPING = 0.7
 SIMULATED_HZ = 2500.0
 SIMULATED_S = 1.1
+IN_TIME_HZ = 10000.0  # steps of hits that are simulated in time
 EVERY = 5  # of the points, where hits are simulated in time
 
 
@@ -150,7 +151,7 @@ class Bystander:
             sensor = bench.stands_at.get("1", "1")
             whole = machine.copy()
             whole.places = {"1": machine.places[sensor]}
-            plant = compiled(whole, angles, 1.0 / SIMULATED_HZ, slowed=timed)
+            plant = compiled(whole, angles, 1.0 / IN_TIME_HZ, slowed=timed)
             turn = bench.turned_hits.get(f"posture {POSTURES[posture] + 1}", np.eye(3))
             names = list(machine.places)[:: EVERY if timed else 1]
             loads = [_hit_load(machine, plant, name, turn, own_turn) for name in names]
@@ -210,8 +211,7 @@ def _linear(plant: Compiled, loads: list[Array], bench: Bench) -> Complex:
 
 def _timed(plant: Compiled, loads: list[Array], bench: Bench, drawn: Ordinary) -> Complex:
     s, factor = _lines(bench)
-    n = int(SIMULATED_HZ * SIMULATED_S)
-    t = np.arange(n) / SIMULATED_HZ
+    t = np.arange(int(IN_TIME_HZ * SIMULATED_S)) / IN_TIME_HZ
     pulse = np.sin(np.pi * np.clip(t / bench.pulse_s, 0.0, 1.0)) ** 1.5 * drawn.table.peaks_n[1]
     rung = ring_in_time([plant] * len(loads), loads, [pulse] * len(loads))
     kernel = np.exp(-np.outer(s, t))
