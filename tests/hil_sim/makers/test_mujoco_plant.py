@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -126,12 +127,12 @@ def swings_of(a, stiffness, moment):
     """
     turns = a[200:]
     half = np.flatnonzero(np.diff(np.sign(turns)))
-    largest = [np.max(np.abs(turns[i:j])) for i, j in zip(half[:-1], half[1:], strict=True)]
+    largest = [np.max(np.abs(turns[i:j])) for i, j in pairwise(half)]
     return (np.array(largest) - moment) / stiffness
 
 
 def expected_swings(first, n, stiffness, moment, give):
-    """Amplitudes that an elastic, perfectly plastic slider leaves, from one half period to the next.
+    """Amplitudes, one a half period, that an elastic, perfectly plastic slider leaves.
 
     From turn to turn the spring loses k (a^2 - b^2) / 2 to the moment M over the way a + b less
     twice what the slider gives before it yields, whose own energy is the same at both.
