@@ -25,7 +25,6 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _KEPT = 2  # selections of postures whose last solutions are kept
-_TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
 
 class Stage:
@@ -79,17 +78,7 @@ class Stage:
         if used not in self._groups:
             if len(self._groups) == _KEPT:
                 del self._groups[next(iter(self._groups))]
-            alike: dict[tuple[object, ...], list[int]] = {}
-            for p in used:
-                alike.setdefault(Postures.likeness(self.lines[p]), []).append(p)
-            groups = []
-            for all_alike in alike.values():
-                most = max(_TOGETHER // self.lines[all_alike[0]].s_rad_s.size, 1)
-                groups += [all_alike[i : i + most] for i in range(0, len(all_alike), most)]
-            self._groups[used] = [
-                (own, Postures([self.models[p] for p in own], [self.lines[p] for p in own]))
-                for own in groups
-            ]
+            self._groups[used] = Postures.in_groups(self.models, self.lines, used)
         return self._groups[used]
 
     def misfit(

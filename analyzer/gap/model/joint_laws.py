@@ -140,15 +140,18 @@ class Sliders:
     def resist(self, turn: Array, memory: Array) -> tuple[Array, Array]:
         """None of them above its limit."""
         wanted = self.stiffness * (turn[:, None] - memory)
-        held = np.clip(wanted, -self.limit, self.limit)
+        held = np.minimum(np.maximum(wanted, -self.limit), self.limit)
         return held.sum(axis=1), np.where(held == wanted, self.stiffness, 0.0).sum(axis=1)
 
     def remember(self, turn: Array, memory: Array, step_s: float) -> Array:
         """A slider follows what pulls it beyond its limit."""
         reach = self.limit / np.maximum(self.stiffness, _TINY)
-        held = np.clip(memory, turn[:, None] - reach, turn[:, None] + reach)
+        there = turn[:, None]
+        held = np.minimum(np.maximum(memory, there - reach), there + reach)
+        if not self.creep_per_s.any():
+            return np.asarray(held)
         follows = -np.expm1(-self.creep_per_s * step_s)[:, None]
-        return np.asarray(held + follows * (turn[:, None] - held))
+        return np.asarray(held + follows * (there - held))
 
     def tangent(self, turn: Array, memory: Array, step_s: float) -> Tangent:
         """A slider holds what it holds until it slips."""

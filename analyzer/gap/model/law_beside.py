@@ -26,6 +26,7 @@ def with_all_slopes(
     about: Linearised,
     plain: Hypothesis,
     law: JointLaw,
+    groups: Sequence[tuple[list[int], Postures]],
     models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
@@ -42,6 +43,8 @@ def with_all_slopes(
         Exact at a point.
     plain, law, values
         The model without the law, the law, and the point.
+    groups
+        Postures and levels that are solved together, by their numbers.
     models, lines
         Of each posture and level.
     by_torque
@@ -62,33 +65,31 @@ def with_all_slopes(
         [*by_torque.values()],
     )
     ends = np.cumsum(counts)
-    for model, own, (_, torque), end in zip(models, lines, followed, ends, strict=True):
-        together = Postures([model], [own])
-        assembly = together.assembled(plain, values)[0]
-        row = joint_row(assembly, law.joint)
+    for used, together in groups:
+        assemblies = together.assembled(plain, values)
+        rows = np.stack([joint_row(assembly, law.joint) for assembly in assemblies])
+        torques = np.stack([followed[p][1][0] for p in used])
+        swings = np.stack([np.arange(ends[p] - counts[p], ends[p]) for p in used])
+        own_torque = np.stack([by_torque[lines[p].name] for p in used])
         changes = torque_slopes(
-            together,
-            plain,
-            space,
-            values,
-            row,
-            by_torque[own.name],
-            tangents.of(slice(end - len(torque[0]), end)),
-            torque[0],
+            together, plain, space, values, rows, own_torque, tangents.of(swings), torques
         )
-        load = together.response(plain, values).under_a_torque(row[None])[0]
-        held = on_lines(own, torque[0])[own.hit]
-        slopes = together.derivatives_holding_back(plain, space, values, row[None], held[None])
-        slopes = slopes[:, 0] - load * changes[:, own.hit][:, :, None]
-        _, in_its_place = together.derivatives(near, space, values)
-        slopes -= in_its_place[:, 0]
-        rests = {name for name in assembly.compliance_of if values[name] == 0.0}
-        here = table[own.key]
-        by = dict(here.by)
-        for name, i in space.index.items():
-            if name not in rests and slopes[i].any():
-                slope = slopes[i] / space.std[i]
-                by[name] = by[name] + slope if name in by else slope
-        table[own.key] = replace(here, by=by)
+        loads = together.response(plain, values).under_a_torque(rows)
+        held = [
+            on_lines(lines[p], torque)[lines[p].hit]
+            for p, torque in zip(used, torques, strict=True)
+        ]
+        slopes = together.derivatives_holding_back(plain, space, values, rows, np.stack(held))
+        slopes -= together.derivatives(near, space, values)[1]
+        for i, (p, assembly) in enumerate(zip(used, assemblies, strict=True)):
+            own = lines[p]
+            here = slopes[:, i] - loads[i] * changes[:, i, own.hit][:, :, None]
+            rests = {name for name in assembly.compliance_of if values[name] == 0.0}
+            by = dict(table[own.key].by)
+            for name, at in space.index.items():
+                if name not in rests and here[at].any():
+                    slope = here[at] / space.std[at]
+                    by[name] = by[name] + slope if name in by else slope
+            table[own.key] = replace(table[own.key], by=by)
     names = dict.fromkeys(name for own in table.values() for name in own.by)
     return Linearised(values={name: values[name] for name in names}, table=table)

@@ -40,7 +40,7 @@ _BLOCK = 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tangents:
-    """An element along its swings, over long steps: `joint_laws.Tangent`, (n, n_steps, ...)."""
+    """An element along its swings, over long steps: `joint_laws.Tangent`, (..., n_steps, ...)."""
 
     at_once: int  # steps of a swing in a long one
     by_turn: Array32
@@ -48,8 +48,8 @@ class Tangents:
     kept: Array32
     followed: Array32
 
-    def of(self, rows: slice) -> Tangents:
-        """Return those of some swings."""
+    def of(self, rows: npt.NDArray[np.int64]) -> Tangents:
+        """Return those of some swings, (P, n_hits) of them."""
         return Tangents(
             at_once=self.at_once,
             by_turn=self.by_turn[rows],
@@ -84,50 +84,52 @@ def torque_slopes(
     plain: Hypothesis,
     space: Space,
     values: Mapping[str, float],
-    row: Array,
+    rows: Array,
     by_torque: ComplexArray,
     tangents: Tangents,
     torque: Array,
 ) -> ComplexArray:
-    """Return (n_parameters, n_hits, L) what a deviation of each parameter changes in the torque.
+    """Return (n_parameters, P, n_hits, L) what each parameter's deviation changes in the torque.
 
     Parameters
     ----------
     together
-        The lines of one posture and level.
+        The lines of P postures and levels.
     plain, space, values
         The model without the law, its parameters, and where it is.
-    row
-        (N,) by which the joint's spring stretches.
+    rows
+        (P, N) by which the joint's spring stretches.
     by_torque
-        Its turn by a unit torque, rad/(N m) (`swings.Swings`).
+        (P, lines of `swings.Swings`) its turn by a unit torque, rad/(N m).
     tangents
-        Of n_hits rows.
+        Of (P, n_hits) swings.
     torque
-        (n_hits, n_steps) of the law under each hit, N m.
+        (P, n_hits, n_steps) of the law under each hit, N m.
 
     Returns
     -------
-    On the posture's lines, N m a N of each hit's force.
+    On the postures' lines, N m a N of each hit's force.
     """
-    (lines,) = together.lines
-    n_hits, n_steps = torque.shape
+    n_steps = torque.shape[-1]
     taken = torque * np.exp(-SIGMA_RAD_S * STEP_S * np.arange(n_steps))
     s = _lines(n_steps, STEP_S)
-    on_lines = STEP_S * np.fft.rfft(taken)[:, : len(s)]
-    force = _forces(lines, s)
+    on_lines = STEP_S * np.fft.rfft(taken)[..., : len(s)]
+    forces = np.stack([_forces(own, s) for own in together.lines])
+    every_s = np.broadcast_to(s, (len(rows), len(s)))
     by_force = together.turn_derivatives(
-        plain, space, values, row[None], s[None], (on_lines / force)[None]
-    )[:, 0]
-    found = np.zeros((len(space), n_hits, len(lines.s_rad_s)), dtype=np.complex64)
-    moves = np.abs(by_force).max(axis=(1, 2)) > 0.0
+        plain, space, values, rows, every_s, on_lines / forces
+    )  # (n_parameters, P, n_hits, L)
+    n_lines = len(together.lines[0].s_rad_s)
+    found = np.zeros((*by_force.shape[:3], n_lines), dtype=np.complex64)
+    moves = np.abs(by_force).max(axis=(1, 2, 3)) > 0.0
     steps = _Steps(at_once=tangents.at_once, n=n_steps // tangents.at_once)
-    moved = steps.in_time(by_force[moves] * force, steps.middle_s)
-    by_impulse = steps.step_s * steps.in_time(by_torque[: len(s)], 0.0)
+    moved = steps.in_time(by_force[moves] * forces, steps.middle_s)
+    by_impulse = steps.step_s * steps.in_time(by_torque[:, : len(s)], 0.0)
     change = _followed(tangents, moved, by_impulse)
-    kernel = np.exp(-np.outer(steps.seconds + steps.middle_s, lines.s_rad_s))
-    slopes = change @ (steps.step_s * kernel).astype(np.complex64)
-    found[moves] = slopes / _forces(lines, lines.s_rad_s)
+    for p, own in enumerate(together.lines):
+        kernel = np.exp(-np.outer(steps.seconds + steps.middle_s, own.s_rad_s))
+        slopes = change[:, p] @ (steps.step_s * kernel).astype(np.complex64)
+        found[moves, p] = slopes / _forces(own, own.s_rad_s)
     return found
 
 
@@ -198,23 +200,25 @@ def _along(element: Element, turn: Array, at_once: int) -> Tangents:
 
 
 def _followed(along: Tangents, moved: Array32, by_impulse: Array32) -> Array32:
-    """Torque's changes (k, n, n_steps) under turns' (k, n, n_steps); (n_steps,) a step's torque."""
-    k, n, n_steps = moved.shape
+    """Torque's changes (k, P, n, n_steps) under turns', alike; (P, n_steps) a step's torque."""
+    n_steps = moved.shape[-1]
     change = np.zeros_like(moved)
-    memory = np.zeros((k, n, along.kept.shape[2]), dtype=np.float32)
-    left = 1.0 / (1.0 + by_impulse[0] * along.by_turn)
+    memory = np.zeros((*moved.shape[:3], along.kept.shape[-1]), dtype=np.float32)
+    first = by_impulse[:, 0, None]
+    left = 1.0 / (1.0 + first[..., None] * along.by_turn)
     for begin in range(0, n_steps, _BLOCK):
         block = np.arange(begin, min(begin + _BLOCK, n_steps))
-        coming = moved[:, :, block]
+        coming = moved[..., block]
         if begin:
             ago = block[None, :] - np.arange(begin)[:, None]
-            coming = coming - change[:, :, :begin] @ by_impulse[ago]
+            coming = coming - change[..., :begin] @ by_impulse[:, ago]
         for i, at in enumerate(block):
-            turn = coming[:, :, i]
+            turn = coming[..., i]
             if i:
-                turn = turn - change[:, :, begin:at] @ by_impulse[i:0:-1]
-            remembered = np.sum(along.by_memory[:, at] * memory, axis=2)
-            turn = (turn - by_impulse[0] * remembered) * left[:, at]
-            change[:, :, at] = along.by_turn[:, at] * turn + remembered
-            memory = along.kept[:, at] * memory + along.followed[:, at] * turn[:, :, None]
+                back = by_impulse[:, i:0:-1, None]
+                turn = turn - (change[..., begin:at] @ back)[..., 0]
+            remembered = np.sum(along.by_memory[:, :, at] * memory, axis=-1)
+            turn = (turn - first * remembered) * left[:, :, at]
+            change[..., at] = along.by_turn[:, :, at] * turn + remembered
+            memory = along.kept[:, :, at] * memory + along.followed[:, :, at] * turn[..., None]
     return change

@@ -171,6 +171,7 @@ def _about(
         step = -step if at + step > parameter.high else step
         points.append({**values, parameter.name: at + step})
     postures = joint_postures(plain, models, lines, values, (law.joint,))
+    groups = Postures.in_groups(models, lines, range(len(lines)))
     (followed,) = _followed(law, [(postures, points)], lines)
     if not _finite(followed):
         raise np.linalg.LinAlgError("swings under this law do not stay finite")
@@ -178,11 +179,11 @@ def _about(
         parameter.name: 1.0 / (moved[parameter.name] - values[parameter.name])
         for parameter, moved in zip(parameters, points[1:], strict=True)
     }
-    about = _beside(plain, law, models, lines, values, followed, per_unit)
+    about = _beside(plain, law, groups, lines, values, followed, per_unit)
     if not slopes:
         return about
     by_torque = {name: posture.swings[0].by_torque for name, posture in postures.items()}
-    return with_all_slopes(about, plain, law, models, lines, values, by_torque, followed)
+    return with_all_slopes(about, plain, law, groups, models, lines, values, by_torque, followed)
 
 
 def joint_postures(
@@ -258,7 +259,7 @@ def _finite(swung: _Swung) -> bool:
 def _beside(
     plain: Hypothesis,
     law: JointLaw,
-    models: Sequence[PosedModel],
+    groups: Sequence[tuple[list[int], Postures]],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
     followed: Sequence[tuple[Array, Array]],
@@ -269,23 +270,25 @@ def _beside(
     springs = dict(zip([own.key for own in lines], _in_place(law, values, followed), strict=True))
     near = with_springs(plain, joint, springs)
     table = {}
-    for model, own, (_, torque) in zip(models, lines, followed, strict=True):
-        together = Postures([model], [own])
+    for used, together in groups:
+        every_nearly = together.response(near, values).values
         without = together.response(plain, values)
-        row = joint_row(together.assembled(plain, values)[0], joint)
-        load = without.under_a_torque(row[None])[0]  # (m, 3, L)
-        taken = on_lines(own, torque)  # (points, hits, L)
-        change = -load * taken[:, own.hit][:, :, None]  # (points, m, 3, L)
-        nearly = together.response(near, values).values[0]
-        table[own.key] = LinearLaw(
-            log_k=springs[own.key][0],
-            log_c=springs[own.key][1],
-            added=without.values[0] + change[0] - nearly,
-            by={
-                name: (moved - change[0]) * slope
-                for (name, slope), moved in zip(slopes.items(), change[1:], strict=True)
-            },
-        )
+        rows = [joint_row(own, joint) for own in together.assembled(plain, values)]
+        loads = without.under_a_torque(np.stack(rows))  # (P, m, 3, L)
+        every = zip(used, without.values, loads, every_nearly, strict=True)
+        for p, plainly, load, nearly in every:
+            own = lines[p]
+            taken = on_lines(own, followed[p][1])  # (points, hits, L)
+            change = -load * taken[:, own.hit][:, :, None]  # (points, m, 3, L)
+            table[own.key] = LinearLaw(
+                log_k=springs[own.key][0],
+                log_c=springs[own.key][1],
+                added=plainly + change[0] - nearly,
+                by={
+                    name: (moved - change[0]) * slope
+                    for (name, slope), moved in zip(slopes.items(), change[1:], strict=True)
+                },
+            )
     return Linearised(values={name: values[name] for name in slopes}, table=table)
 
 
@@ -340,10 +343,11 @@ def linearised_about_each(
             added = np.mean(_in_place(law, values, own), axis=0)
             values |= dict(zip(names, (wanted - added).tolist(), strict=True))
     plain = replace(hypothesis, instances=tuple(i for i in hypothesis.instances if i.law is None))
+    groups = Postures.in_groups(models, lines, range(len(lines)))
     *others, last = hypothesis.instances
     found = []
     for (_, values), own in zip(every, swung, strict=True):
-        about = _beside(plain, law, models, lines, values, own, {})
+        about = _beside(plain, law, groups, lines, values, own, {})
         instances = (*others, replace(last, about=about))
         found.append((replace(hypothesis, instances=instances), values))
     return found

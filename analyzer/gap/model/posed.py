@@ -33,6 +33,8 @@ __all__ = ["PosedModel", "Postures"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
+_TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
+
 
 class PosedModel:
     """An arm in one posture, with the geometry of the last angles at hand."""
@@ -95,10 +97,21 @@ class Postures:
         self._last: Solved | None = None
         self._last_columns: tuple[Solved, Space, Columns] | None = None
 
-    @staticmethod
-    def likeness(lines: PostureLines) -> tuple[object, ...]:
-        """Return what postures that are solved together have in common."""
-        return lines.values.shape, len(lines.hit_point), lines.brakes
+    @classmethod
+    def in_groups(
+        cls, models: Sequence[PosedModel], lines: Sequence[PostureLines], used: Sequence[int]
+    ) -> list[tuple[list[int], Postures]]:
+        """Return the postures used, by their numbers, in groups that are solved together."""
+        alike: dict[tuple[object, ...], list[int]] = {}
+        for p in used:
+            own = lines[p]
+            likeness = own.values.shape, len(own.hit_point), own.brakes
+            alike.setdefault(likeness, []).append(p)
+        groups = []
+        for of_a_kind in alike.values():
+            most = max(_TOGETHER // lines[of_a_kind[0]].s_rad_s.size, 1)
+            groups += [of_a_kind[i : i + most] for i in range(0, len(of_a_kind), most)]
+        return [(own, cls([models[p] for p in own], [lines[p] for p in own])) for own in groups]
 
     def response(self, hypothesis: Hypothesis, values: Mapping[str, float]) -> Response:
         """Predict the postures' FRFs."""

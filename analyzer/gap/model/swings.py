@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
-from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses, resists
+from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.joint_laws import Element
 
 __all__ = [
@@ -44,6 +44,7 @@ _BAND_HZ = 500.0  # twice as far as the lines of a fit at most
 _TAPER = 0.15  # of the band, cosine
 _BLOCK = 32
 _NEWTON = 3
+_ROUNDING = 1e-9  # of the largest turn: a step of the solution that changes nothing
 _WIDTH_OF_SINE = 1.5  # a half sine's length over its width at half the peak
 
 
@@ -115,7 +116,7 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
     A = dynamic_stiffness(system, s)
     A *= scale[..., None]
     A[..., soft, soft] += 1.0
-    answers = (inverses(A) * scale[:, :, None, :])[0] @ np.transpose(rows)  # (L, n, k)
+    answers = np.linalg.solve(A[0], scale[0][..., None] * np.transpose(rows))  # (L, n, k)
     forces = (system.force[0][:, None] @ system.hit[0])[:, 0]  # (n_hits, n)
     return [
         Swings(by_force=forces @ answer.T, by_torque=answer @ row)
@@ -165,9 +166,13 @@ def march(by_impulse: Array, groups: npt.NDArray[np.int64], free: Array, element
                 back = of_row[:, i:0:-1]
                 wanted = wanted - np.einsum("ni,ni->n", torque[:, begin:at], back)
             x = wanted
+            tau, slope = element.resist(x, memory)
             for _ in range(_NEWTON):
+                step = (x - wanted + of_row[:, 0] * tau) / (1.0 + of_row[:, 0] * slope)
+                x = x - step
                 tau, slope = element.resist(x, memory)
-                x = x - (x - wanted + of_row[:, 0] * tau) / (1.0 + of_row[:, 0] * slope)
-            torque[:, at] = element.resist(x, memory)[0]
+                if np.abs(step).max() <= _ROUNDING * np.abs(x).max():
+                    break
+            torque[:, at] = tau
             memory = element.remember(x, memory, STEP_S)
     return torque

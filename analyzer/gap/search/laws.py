@@ -54,13 +54,15 @@ def fitted_laws(
     joint = most.instance.place
     of_joint = next(swing for swing in ordinary.swings if swing[0] == joint)
     before = fit_hypothesis(broad, present, resumed=base, max_iterations=STEPS)
-    race, found = races[broad], []
+    race, begun = races[broad], []
     for instance in (law for make in hooks("laws") for law in make(ordinary, *of_joint)):
         tell(f"a law of its own: {instance.title}")
         richer = replace(present, instances=(*present.instances, instance))
         start = _best_start(broad, richer, before)
         if start is not None:
-            found.append(race.to_its_end(race.fit(richer, start=start)))
+            begun.append(race.fit(richer, start=start))
+    ahead = sorted(begun, key=lambda fit: fit.evidence)
+    found = [race.to_its_end(fit) for fit in ahead if not race.is_hopeless(fit)]
     found = sorted((f for f in found if not race.is_hopeless(f)), key=lambda fit: fit.evidence)
     there = races[sharp]
     fits = [there.fit(fit.hypothesis, resumed=fit) for fit in found[:1]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -89,7 +90,7 @@ def made(table: ArmTable, spec: CaseSpec) -> Made:
     truth = {
         "effects": truths,
         "outside": any(getattr(EFFECTS[kind], "OUTSIDE", False) for kind in spec.kinds),
-        "joints": _joints(drawn),
+        "joints": _joints(drawn, truths),
         "tolerances": drawn.tolerances,
         "encoder_offsets_rad": drawn.offsets_rad,
     }
@@ -97,11 +98,17 @@ def made(table: ArmTable, spec: CaseSpec) -> Made:
     return Made(arm=arm, plan=plan, truth=truth, laboratory=laboratory)
 
 
-def _joints(drawn: Ordinary) -> dict[str, Parameters]:
+def _joints(drawn: Ordinary, effects: Sequence[Parameters]) -> dict[str, Parameters]:
+    """Stiffness and damping of each joint; with a seat that slips, of what is beside it."""
     axes = {name: drawn.machine.axis(name) for name in drawn.elastic}
+    beside = {
+        effect["place"]: effect["parameters"]["beside_n_m_per_rad"]
+        for effect in effects
+        if "beside_n_m_per_rad" in effect["parameters"]
+    }
     return {
         name: {
-            "stiffness_n_m_per_rad": axis.stiffness,
+            "stiffness_n_m_per_rad": beside.get(name, axis.stiffness),
             "damping_n_m_s_per_rad": axis.damping,
         }
         for name, axis in axes.items()

@@ -18,7 +18,10 @@ def places(drawn: Ordinary) -> list[str]:
 
 
 def put(rig: Rig, place: str, size: float) -> Parameters:
-    """Part the drive's spring: elements of one stiffness, limits evenly apart."""
+    """Part the drive's spring: elements of one stiffness, limits evenly apart.
+
+    The truth of the joint's stiffness is the spring beside them, as an arm file tells a seat.
+    """
     drive = rig.drive(place)
     part = size * drive.stiffness
     most = float(rig.rng.uniform(*WIDEST)) * middle_moment(rig) * size
@@ -28,4 +31,8 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
         spring.yields_at = float(limit) / part
         rig.machine.springs.append(spring)
     drive.stiffness -= part
-    return {"stiffness_n_m_per_rad": part, "limit_n_m": most}
+    return {
+        "stiffness_n_m_per_rad": part,
+        "limit_n_m": most,
+        "beside_n_m_per_rad": drive.stiffness,
+    }
