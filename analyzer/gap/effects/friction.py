@@ -68,7 +68,7 @@ def laws(
         material=_LEAST * moment,
         starting_points=[
             {limit: part * moment, before: ratio, creep: rate}
-            for part in (0.03, 0.1, 0.3)
+            for part in (_LEAST, 0.01, 0.03, 0.1, 0.3)
             for ratio, rate in ((0.0, 0.0), (np.log(10.0), 0.0), (np.log(30.0), 500.0))
         ],
     )
