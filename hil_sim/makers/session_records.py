@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.hil_sim.makers.arm_table import Array
+from armodal.hil_sim.pulse_width import half_width
 from armodal.protocols.arm.records import Arm
 from armodal.protocols.board.messages import encode_dictionary
 from armodal.protocols.board.records import BoardDictionary, Channel, IepeState
@@ -127,6 +128,6 @@ def _hit(plan: Plan, recorder: Recorder, hit: Recorded, number: int) -> Hit:
             reasons=(),
             notes=(),
             peak_n=peak_n,
-            width_s=float(np.sum(force > 0.5 * peak_n) / float(plan.sampling.rate_hz)),
+            width_s=half_width(force) / float(plan.sampling.rate_hz),
         ),
     )

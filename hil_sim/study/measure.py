@@ -15,6 +15,7 @@ from armodal.hil_sim.front_end import FULL_SCALE_COUNTS, FrontEnd
 from armodal.hil_sim.hand import blow, hand_at
 from armodal.hil_sim.noise import ChannelNoise
 from armodal.hil_sim.plant import Plant
+from armodal.hil_sim.pulse_width import half_width
 from armodal.hil_sim.ringing import Strike, ring
 from armodal.hil_sim.small_motion import linearise
 from armodal.hil_sim.source import draw_mounting, strike_of
@@ -211,6 +212,6 @@ def _hit(
             reasons=(),
             notes=(),
             peak_n=peak_n,
-            width_s=float(np.sum(force_n > 0.1 * peak_n) / float(plan.sampling.rate_hz)),
+            width_s=half_width(force_n) / float(plan.sampling.rate_hz),
         ),
     )

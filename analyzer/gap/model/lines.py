@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.hit_levels import has_levels, soft_and_hard, weight_factors
+from armodal.analyzer.gap.model.impulses import IMPULSE_OF_SINE, impulse_n_s
 from armodal.analyzer.given_frfs import complete_points
 from armodal.analyzer.modal.frf import posture_frf
 from armodal.analyzer.modal.noise import smooth_lines
@@ -221,28 +222,34 @@ def _lines_of(
                 lines,
                 level=level,
                 peak_n=float(np.exp(_mean_level(chosen))),
-                peaks_n=_peaks_n(superset, lines, own, width_s),
+                peaks_n=_peaks_n(superset, session, lines, own, width_s),
                 width_s=width_s,
             )
         )
     return tuple(result)
 
 
-def _peaks_n(superset: Superset, lines: PostureLines, hits: Sequence[Hit], width_s: float) -> Array:
+def _peaks_n(
+    superset: Superset,
+    session: Session,
+    lines: PostureLines,
+    hits: Sequence[Hit],
+    width_s: float,
+) -> Array:
     """(n_hits,) peaks of the hits at each place and along each direction, geometric means.
 
-    Of pulses of one width, with the impulse of their own: that is what moves a joint.
+    Of half sines of one width, with the impulse of the hits' own: that is what moves a joint.
     """
     found = []
     for point, direction in zip(lines.hit_point, lines.hit_direction, strict=True):
         name = superset.arm.points[point].id
         along = [h for h in hits if h.hit_point == name]
         along = [h for h in along if h.hit_direction @ direction > _ALONG] or along
-        peak_n = np.exp(_mean_level(along))
         if width_s:
-            widths = [np.log(hit.verdict.width_s / width_s) for hit in along]
-            peak_n *= np.exp(np.mean(widths))
-        found.append(float(peak_n))
+            peaks = [impulse_n_s(session, hit) / (IMPULSE_OF_SINE * width_s) for hit in along]
+        else:
+            peaks = [hit.verdict.peak_n for hit in along]
+        found.append(float(np.exp(np.mean(np.log(peaks)))))
     return np.array(found)
 
 

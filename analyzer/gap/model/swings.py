@@ -20,6 +20,7 @@ import numpy.typing as npt
 from armodal.analyzer.arm.hysteresis import hysteresis
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
+from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
 from armodal.analyzer.gap.model.joint_laws import Element
 
 __all__ = [
@@ -45,7 +46,6 @@ _TAPER = 0.15  # of the band, cosine
 _BLOCK = 32
 _NEWTON = 3
 _ROUNDING = 1e-9  # of the largest turn: a step of the solution that changes nothing
-_WIDTH_OF_SINE = 1.5  # a half sine's length over its width at half the peak
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,7 +94,7 @@ def _in_time(on_lines: ComplexArray) -> Array:
 
 def pulse(s_rad_s: ComplexArray, peak_n: float, width_s: float) -> ComplexArray:
     """Laplace transform of a half sine: of a hit with that peak, so wide at half of it."""
-    length = _WIDTH_OF_SINE * width_s
+    length = WIDTH_OF_SINE * width_s
     b = np.pi / length
     return np.asarray(peak_n * b * (1.0 + np.exp(-s_rad_s * length)) / (s_rad_s**2 + b**2))
 
