@@ -203,6 +203,9 @@ def size_of_truth(
         "nonproportional": lambda: p["damping_n_s_per_m"],
         "load_damping": lambda: 1.0 / p["load_n_m"],
         "hit_direction": lambda: np.deg2rad(p["turn_deg"][0]),
+        "friction": lambda: p["limit_n_m"],
+        "microslip": lambda: p["stiffness_n_m_per_rad"] / p["beside_n_m_per_rad"],
+        "backlash": lambda: p["part"],
     }
     if "by_m" in p:
         sizes["wrong_point"] = lambda: p["by_m"][0]

@@ -99,3 +99,18 @@ def test_a_compensator_is_as_stiff_as_where_it_is_square_to_its_shorter_lever():
     told = {"stiffness_n_per_m": 1e5, "eye_m": [0.3, 0.0, 0.1], "shorter_lever_m": 0.2}
     effect = {"name": "gravity_compensator", "place": "a", "parameters": told}
     assert size_of_truth(effect, {"a": 1e4}) == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "expected"),
+    [
+        ("friction", {"limit_n_m": 0.7, "stiffness_n_m_per_rad": None}, 0.7),
+        ("microslip", {"stiffness_n_m_per_rad": 600.0, "beside_n_m_per_rad": 400.0}, 1.5),
+        ("microslip", {"stiffness_n_m_per_rad": 600.0}, None),  # whose spring is not told
+        ("backlash", {"half_rad": 1e-5, "part": 0.3}, 0.3),
+        ("backlash", {"half_rad": 1e-5}, None),
+    ],
+)
+def test_the_size_of_a_joints_own_law(name, parameters, expected):
+    effect = {"name": name, "place": "a", "parameters": parameters}
+    assert size_of_truth(effect, {"a": 100.0}) == expected
