@@ -1,6 +1,6 @@
 """A joint's turn in solved postures, its derivatives by every parameter, and a torque along it.
 
-The turn is taken for a channel of one mounting a hit, so that what is known of recorded channels
+The turn is taken for a channel of every mounting, so that what is known of recorded channels
 holds for it.
 """
 
@@ -25,14 +25,14 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 
-def turned_systems(assemblies: Sequence[Assembly], rows: Array) -> System:
-    """Return postures' equations with a stretch along rows (P, N) as what is recorded.
+def turned_systems(assemblies: Sequence[Assembly], rows: Array, m: int) -> System:
+    """Return postures' equations with a stretch along rows (P, N) as what m mountings record.
 
-    One mounting a hit, on the first of three channels; the accelerometer is left out.
+    On the first of three channels; the accelerometer is left out.
     """
     whole = systems(assemblies)
-    P, n_hits = whole.force.shape[:2]
-    none = np.zeros((P, n_hits, 3, rows.shape[1]))
+    P = len(assemblies)
+    none = np.zeros((P, m, 3, rows.shape[1]))
     stretch = none.copy()
     stretch[:, :, 0] = rows[:, None]
     return replace(
@@ -41,7 +41,7 @@ def turned_systems(assemblies: Sequence[Assembly], rows: Array) -> System:
         seen=none,
         tilted=stretch,
         turned=none,
-        mix=np.broadcast_to(np.eye(3), (P, n_hits, 3, 3)),
+        mix=np.broadcast_to(np.eye(3), (P, m, 3, 3)),
         log_scale=np.zeros(P),
         delay_s=np.zeros(P),
         decay_rad_s=np.zeros(P),
@@ -85,7 +85,7 @@ class SolvedTurns(Solved):
         """Return equations of the same postures."""
         if self.rows is None:
             raise ValueError("wanted the rows along which joints turn")
-        return turned_systems(assemblies, self.rows)
+        return turned_systems(assemblies, self.rows, self.exact.hit.shape[1])
 
 
 def _none(slopes: Slopes | MotionSlopes, m: int, axis: int) -> dict[str, Any]:

@@ -50,7 +50,7 @@ def with_all_slopes(
     by_torque
         The joint's turn by a unit torque in each posture, by its name (`swings.Swings`).
     followed
-        Turns and torques (1 or more, n_hits, n_steps) on each of the lines, first those there.
+        Turns and torques (1 or more, m, n_steps) on each of the lines, first those there.
     """
     springs = {key: (own.log_k, own.log_c) for key, own in about.table.items()}
     near = with_springs(plain, law.joint, springs)
@@ -75,15 +75,12 @@ def with_all_slopes(
             together, plain, space, values, rows, own_torque, tangents.of(swings), torques
         )
         loads = together.response(plain, values).under_a_torque(rows)
-        held = [
-            on_lines(lines[p], torque)[lines[p].hit]
-            for p, torque in zip(used, torques, strict=True)
-        ]
+        held = [on_lines(lines[p], torque) for p, torque in zip(used, torques, strict=True)]
         slopes = together.derivatives_holding_back(plain, space, values, rows, np.stack(held))
         slopes -= together.derivatives(near, space, values)[1]
         for i, (p, assembly) in enumerate(zip(used, assemblies, strict=True)):
             own = lines[p]
-            here = slopes[:, i] - loads[i] * changes[:, i, own.hit][:, :, None]
+            here = slopes[:, i] - loads[i] * changes[:, i, :, None]
             rests = {name for name in assembly.compliance_of if values[name] == 0.0}
             by = dict(table[own.key].by)
             for name, at in space.index.items():

@@ -46,7 +46,7 @@ def with_springs(
 
 
 def on_lines(own: PostureLines, torque: Array) -> ComplexArray:
-    """Return (..., n_hits, L) a N of each hit's force, of torques (..., n_hits, n_steps)."""
+    """Return (..., m, L) a N of the force of each mounting's hit, of torques (..., m, n_steps)."""
     s = own.s_rad_s
     force = np.stack([pulse(s, float(peak), own.width_s) for peak in own.peaks_n])
     return np.asarray(torque @ (STEP_S * np.exp(-np.outer(seconds(), s))) / force)

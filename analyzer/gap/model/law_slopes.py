@@ -49,7 +49,7 @@ class Tangents:
     followed: Array32
 
     def of(self, rows: npt.NDArray[np.int64]) -> Tangents:
-        """Return those of some swings, (P, n_hits) of them."""
+        """Return those of some swings, (P, m) of them."""
         return Tangents(
             at_once=self.at_once,
             by_turn=self.by_turn[rows],
@@ -89,7 +89,7 @@ def torque_slopes(
     tangents: Tangents,
     torque: Array,
 ) -> ComplexArray:
-    """Return (n_parameters, P, n_hits, L) what each parameter's deviation changes in the torque.
+    """Return (n_parameters, P, m, L) what each parameter's deviation changes in the torque.
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ def torque_slopes(
     by_torque
         (P, lines of `swings.Swings`) its turn by a unit torque, rad/(N m).
     tangents
-        Of (P, n_hits) swings.
+        Of (P, m) swings, one a mounting.
     torque
-        (P, n_hits, n_steps) of the law under each hit, N m.
+        (P, m, n_steps) of the law under each mounting's hit, N m.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def torque_slopes(
     every_s = np.broadcast_to(s, (len(rows), len(s)))
     by_force = together.turn_derivatives(
         plain, space, values, rows, every_s, on_lines / forces
-    )  # (n_parameters, P, n_hits, L)
+    )  # (n_parameters, P, m, L)
     n_lines = len(together.lines[0].s_rad_s)
     found = np.zeros((*by_force.shape[:3], n_lines), dtype=np.complex64)
     moves = np.abs(by_force).max(axis=(1, 2, 3)) > 0.0
@@ -173,7 +173,7 @@ def _lines(n_steps: int, step_s: float) -> ComplexArray:
 
 
 def _forces(lines: PostureLines, s: ComplexArray) -> ComplexArray:
-    """(n_hits, L)."""
+    """(m, L)."""
     return np.stack([pulse(s, float(peak), lines.width_s) for peak in lines.peaks_n])
 
 

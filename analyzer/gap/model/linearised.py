@@ -141,7 +141,7 @@ def swings_of(
         for name, posture in postures.items():
             own = first[name]
             forces = forces_of(own.peaks_n * np.exp(-own.level), own.width_s)
-            turns = free_turns(posture.swings[at], forces)
+            turns = free_turns(posture.swings[at], own.hit, forces)
             turn = turns[np.argmax(np.abs(turns).max(axis=1))]
             if np.abs(turn).max() > largest:
                 largest = float(np.abs(turn).max())
@@ -208,7 +208,7 @@ def joint_postures(
 
 
 def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLines]) -> list[_Swung]:
-    """Turns and torques (points, n_hits, n_steps) of each of the lines, in each of the cases.
+    """Turns and torques (points, m, n_steps) of each of the lines' mountings, in each of the cases.
 
     All at once: a step in time takes as long for one swing as for hundreds. What does not stay
     finite is told as it is.
@@ -222,7 +222,7 @@ def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLine
         impulses += [postures[name].swings[0].by_impulse for name in names]
         for p in order:
             own, posture = lines[p], postures[lines[p].name]
-            turns = free_turns(posture.swings[0], forces_of(own.peaks_n, own.width_s))
+            turns = free_turns(posture.swings[0], own.hit, forces_of(own.peaks_n, own.width_s))
             for point in points:
                 free.append(turns)
                 elements.append(law.element(point, law.load_n_m(posture.geometry)))
@@ -243,9 +243,9 @@ def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLine
     for _, points in cases:
         found: dict[int, tuple[Array, Array]] = {}
         for p in order:
-            n_hits = len(lines[p].peaks_n)
-            end = begin + n_hits * len(points)
-            shape = (len(points), n_hits, -1)
+            m = len(lines[p].peaks_n)
+            end = begin + m * len(points)
+            shape = (len(points), m, -1)
             found[p] = moved[begin:end].reshape(shape), torque[begin:end].reshape(shape)
             begin = end
         swung.append([found[p] for p in range(len(lines))])
@@ -278,8 +278,8 @@ def _beside(
         every = zip(used, without.values, loads, every_nearly, strict=True)
         for p, plainly, load, nearly in every:
             own = lines[p]
-            taken = on_lines(own, followed[p][1])  # (points, hits, L)
-            change = -load * taken[:, own.hit][:, :, None]  # (points, m, 3, L)
+            taken = on_lines(own, followed[p][1])  # (points, m, L)
+            change = -load * taken[:, :, None]  # (points, m, 3, L)
             table[own.key] = LinearLaw(
                 log_k=springs[own.key][0],
                 log_c=springs[own.key][1],
@@ -354,7 +354,7 @@ def linearised_about_each(
 
 
 def _spring_and_damper(turn: Array, torque: Array) -> tuple[float, float]:
-    """N m/rad and N m s/rad nearest to torques (n_hits, n_steps), late ones counting less."""
+    """N m/rad and N m s/rad nearest to torques (m, n_steps), late ones counting less."""
     window = np.exp(-SIGMA_RAD_S * seconds())
     rate = np.gradient(turn, STEP_S, axis=1)
     basis = np.stack([(turn * window).ravel(), (rate * window).ravel()])

@@ -76,8 +76,8 @@ class PostureLines:
     level: float = 0.0  # ln of these hits' peak force, from the middle of all
     brakes: bool = False  # on
     known_mass: KnownMass | None = None  # bolted on
-    # (n_hits,) geometric mean of the peaks of each place hit, N, were all as wide at half of them;
-    # where hits are known.
+    # (n_mountings,) geometric mean of the peaks of the hits of each, N, were all half sines of one
+    # width with their impulse; where hits are known.
     peaks_n: Array = field(default_factory=lambda: np.zeros(0))
     width_s: float = 0.0
 
@@ -236,14 +236,16 @@ def _peaks_n(
     hits: Sequence[Hit],
     width_s: float,
 ) -> Array:
-    """(n_hits,) peaks of the hits at each place and along each direction, geometric means.
+    """(n_mountings,) peaks of the hits of each mounting, geometric means.
 
-    Of half sines of one width, with the impulse of the hits' own: that is what moves a joint.
+    Of half sines of one width, with the impulse of the hits' own: that is what moves a joint. One
+    place is hit anew for every mounting, by a hand that is never the same.
     """
     found = []
-    for point, direction in zip(lines.hit_point, lines.hit_direction, strict=True):
-        name = superset.arm.points[point].id
-        along = [h for h in hits if h.hit_point == name]
+    ids = [point.id for point in superset.arm.points]
+    for sensor, hit in zip(lines.sensor_point, lines.hit, strict=True):
+        where, direction = ids[lines.hit_point[hit]], lines.hit_direction[hit]
+        along = [h for h in hits if (h.sensor_point, h.hit_point) == (ids[sensor], where)]
         along = [h for h in along if h.hit_direction @ direction > _ALONG] or along
         if width_s:
             peaks = [impulse_n_s(session, hit) / (IMPULSE_OF_SINE * width_s) for hit in along]

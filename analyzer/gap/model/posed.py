@@ -181,15 +181,14 @@ class Postures:
         s_rad_s: ComplexArray,
         torque: ComplexArray,
     ) -> ComplexArray:
-        """Derivatives (n_parameters, P, n_hits, L) of stretches along rows (P, N), rad/N.
+        """Derivatives (n_parameters, P, m, L) of stretches along rows (P, N), rad/N.
 
-        By a prior deviation of each parameter, on lines (P, L), while a torque (P, n_hits, L) per
-        unit force is held back there, which stays.
+        By a prior deviation of each parameter, on lines (P, L), while a torque (P, m, L) per unit
+        force of each mounting's hit is held back there, which stays.
         """
         plain, assemblies = self._assemblies(hypothesis, values)
-        system = turned_systems(assemblies, rows)
-        hit = np.broadcast_to(np.arange(system.force.shape[1]), system.force.shape[:2])
-        found = holding_back(respond(system, s_rad_s, hit), rows, torque)
+        system = turned_systems(assemblies, rows, self._hit.shape[1])
+        found = holding_back(respond(system, s_rad_s, self._hit), rows, torque)
         posed = SolvedTurns(
             hypothesis, plain, assemblies, found, dict(values), self._slopes(), self._single, rows
         )

@@ -124,13 +124,13 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
     ]
 
 
-def free_turns(swings: Swings, forces: ComplexArray) -> Array:
-    """(n_hits, n_steps) turns in rad under hits with the transforms (n_hits, L)."""
-    return _in_time(swings.by_force * forces)
+def free_turns(swings: Swings, hit: npt.NDArray[np.int64], forces: ComplexArray) -> Array:
+    """(m, n_steps) turns in rad under hits with the transforms (m, L), each at a place (m,)."""
+    return _in_time(swings.by_force[hit] * forces)
 
 
 def forces_of(peaks_n: Array, width_s: float) -> ComplexArray:
-    """(n_hits, L) transforms of half sines on the lines of `turns_of`."""
+    """(m, L) transforms of half sines on the lines of `turns_of`."""
     return np.stack([pulse(_lines(), float(peak), width_s) for peak in peaks_n])
 
 

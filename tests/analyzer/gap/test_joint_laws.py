@@ -210,14 +210,15 @@ def test_near_its_point_a_law_is_as_linear_as_it_is_taken_to_be(kind, arm):
         assert np.linalg.norm(there - near) < 0.3 * change
 
 
-# Of the change: sliders are followed in steps as long as are stable, the others in the longest.
+# Of the change: sliders are followed in steps as long as are stable, the others in the longest. A
+# play's corner passes within such a step, a stiff slider's moves with the turn.
 @pytest.mark.parametrize(
     ("kind", "allowed"),
     [
         (softening, 0.02),
         pytest.param(friction, 0.2, marks=pytest.mark.long),
         pytest.param(microslip, 0.02, marks=pytest.mark.long),
-        pytest.param(backlash, 0.02, marks=pytest.mark.long),
+        pytest.param(backlash, 0.1, marks=pytest.mark.long),
     ],
 )
 def test_near_its_point_a_law_follows_every_parameter_of_the_model(kind, allowed, arm):
