@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.impulses import IMPULSE_OF_SINE, impulse_n_s
+from armodal.analyzer.gap.model.lines import Annealing, own_lines
 from armodal.analyzer.modal.spectra import active_channels
 
 LENGTH = 24  # samples of a pulse
@@ -49,3 +51,18 @@ def test_a_record_that_begins_within_the_pulse_tells_by_peak_and_width(session):
     hit, _ = with_pulse(session, lambda x: np.sin(np.pi * x), lead=-6)
     expected = IMPULSE_OF_SINE * hit.verdict.peak_n * hit.verdict.width_s
     assert impulse_n_s(session, hit) == expected
+
+
+def test_every_mounting_has_the_impulse_of_its_own_hits(session):
+    """One place is hit, once and again for each point where the accelerometer stands."""
+    stage = Annealing(sigma_rad_s=2 * np.pi * 6.0, step_hz=8.0, band_hz=(8.0, 60.0))
+    superset = Superset(session.header.arm)
+    posture = own_lines(superset, session, stage)[0]
+    ids = [point.id for point in superset.arm.points]
+    assert len(posture.hit_point) == 1
+    assert posture.width_s > 0.0
+    for sensor, peak_n in zip(posture.sensor_point, posture.peaks_n, strict=True):
+        hits = [h for h in session.accepted(posture.name) if h.sensor_point == ids[sensor]]
+        found = np.mean([np.log(impulse_n_s(session, hit)) for hit in hits])
+        assert np.log(IMPULSE_OF_SINE * peak_n * posture.width_s) == pytest.approx(found)
+    assert np.ptp(np.log(posture.peaks_n)) > 0.1  # a hand is never the same
