@@ -1,11 +1,14 @@
 """What each number of the gap workflow's search and decision changes, moved by 30 % either way.
 
-Every number of a module's constants in `analyzer/gap/search` and `analyzer/gap/decision` is moved
-alone, and the same cases of a maker are judged again. A number is deleted where no verdict and no
-name changes, explained where many do. Cases as they are come first, with every number traced
-(`traced_number.py`): a change that could have changed nothing in one is not run there. One line of
-JSON a case and number is kept: a run that was stopped goes on where it was. A table of the numbers
-ends it.
+The numbers are those of module constants in `analyzer/gap/search` and `analyzer/gap/decision`, and
+the cases those of a maker. A case as it is comes first, with every number traced
+(`traced_number.py`): a change that could have changed nothing in it is not run there. The others
+are moved together, each in a way of its own by a coin, and all the other way: where verdict and
+names stay, all of them are taken to change nothing in that case; where not, halves are moved, down
+to the number that does it alone. Two that cancel each other in every case would be missed. A change
+that has been found in three cases is not looked for in further ones. A number is deleted where
+no verdict and no name changes, explained where many do. One line of JSON a run is kept: what was
+stopped goes on where it was. A table of the numbers ends it.
 
     python bench/ablation.py --out FOLDER --maker frame --nulls 50 --effects 50
     python bench/ablation.py --list
@@ -15,13 +18,14 @@ from __future__ import annotations
 
 import argparse
 import ast
+import hashlib
 import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from importlib import import_module
 from itertools import product
 from multiprocessing import get_context
@@ -38,9 +42,7 @@ from armodal.study.kept_lines import Line, kept_lines, run_and_keep
 
 FOLDERS = ("search", "decision")
 WAYS = (0.7, 1.3)
-AS_IT_IS = "as it is"
-
-Job = tuple["Number | None", float, CaseSpec]
+ENOUGH = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,27 +88,51 @@ def _is_constant(name: str) -> bool:
     return name.isupper() and not name.startswith("__")
 
 
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A number and what it is multiplied by."""
+
+    number: Number
+    factor: float
+
+    @property
+    def name(self) -> str:
+        """Return what a line of the file says."""
+        return f"{self.number.name} {self.factor}"
+
+
+def changes() -> list[Change]:
+    """Every number, either way."""
+    return [Change(number, factor) for number, factor in product(numbers(), WAYS)]
+
+
 @contextmanager
-def moved(number: Number, factor: float) -> Iterator[None]:
-    """Move a number in its module, and wherever another has taken it from there."""
-    before, holders = _held(number)
-    _put(holders, number.constant, _times(before, number.place, factor))
+def moved(group: Sequence[Change]) -> Iterator[None]:
+    """Move numbers in their modules, and wherever others have taken them from there."""
+    before = {(c.number.module, c.number.constant): _held(c.number) for c in group}
+    values = {key: own for key, (own, _) in before.items()}
+    for c in group:
+        key = c.number.module, c.number.constant
+        values[key] = _times(values[key], c.number.place, c.factor)
+    for (module, constant), (_, holders) in before.items():
+        _put(holders, constant, values[module, constant])
     try:
         yield
     finally:
-        _put(holders, number.constant, before)
+        for (_, constant), (own, holders) in before.items():
+            _put(holders, constant, own)
 
 
 @contextmanager
 def traced(every: Sequence[Number]) -> Iterator[set[str]]:
-    """Trace numbers; gives the names of changes (`change`) that could have mattered so far."""
+    """Trace numbers; gives the names of changes that could have mattered so far."""
     noted: set[str] = set()
     before = {(n.module, n.constant): _held(n) for n in every}
     values = {key: own for key, (own, _) in before.items()}
     for n in every:
         own, key = before[n.module, n.constant][0], (n.module, n.constant)
         plain = own if n.place is None else own[n.place]
-        changed = {change(n, factor): _times(plain, None, factor) for factor in WAYS}
+        changed = {Change(n, way).name: _times(plain, None, way) for way in WAYS}
         number = TracedNumber(plain, changed, noted)
         if n.place is None:
             values[key] = number
@@ -119,11 +145,6 @@ def traced(every: Sequence[Number]) -> Iterator[set[str]]:
     finally:
         for (_, constant), (own, holders) in before.items():
             _put(holders, constant, own)
-
-
-def change(number: Number, factor: float) -> str:
-    """Name a change."""
-    return f"{number.name} {factor}"
 
 
 def _held(number: Number) -> tuple[Any, list[ModuleType]]:
@@ -155,23 +176,22 @@ def _times(value: Any, place: int | None, factor: float) -> Any:
     return value * factor
 
 
-def judged(number: Number | None, factor: float, spec: CaseSpec) -> Line:
-    """Judge one case with a number moved, or with all as they are."""
+def judged(group: Sequence[Change], spec: CaseSpec) -> Line:
+    """Judge one case with numbers moved; with none moved, all are traced."""
     session = case_of(spec).session()
     told: Callable[[], Any] = partial(find_gap, session, gates=False, modes=False, advice=False)
     could_matter: list[str] = []
-    if number is None:
+    if group:
+        with moved(group):
+            result = told().result
+    else:
         with traced(list(numbers())) as noted:
             result = told().result
         could_matter = sorted(noted)
-    else:
-        with moved(number, factor):
-            result = told().result
     return {
-        "number": AS_IT_IS if number is None else number.name,
-        "factor": factor,
+        "key": key_of(group, spec.number),
         "case": spec.number,
-        "key": f"{number.name if number else AS_IT_IS} {factor} {spec.seed}",
+        "moved": [change.name for change in group],
         "verdict": result.verdict.value,
         "named": sorted(effect.name for effect in result.effects),
         "right": sorted(spec.kinds) == sorted(effect.name for effect in result.effects),
@@ -179,35 +199,147 @@ def judged(number: Number | None, factor: float, spec: CaseSpec) -> Line:
     }
 
 
-def table(lines: list[Line]) -> list[str]:
-    """A row a change: cases it leaves alike, how many were run, and whose verdict it changes."""
-    plain = {line["case"]: line for line in lines if line["number"] == AS_IT_IS}
-    told = ("cases", "alike", "run", "changed", "lost", "won")
-    rows = [f"{'number':44} {'factor':>6} " + " ".join(f"{word:>7}" for word in told)]
-    for n, factor in product(numbers(), WAYS):
-        name = n.name
-        alike = sum(change(n, factor) not in line["could_matter"] for line in plain.values())
-        pairs = [
-            (plain[x["case"]], x)
-            for x in lines
-            if x["number"] == name and x["factor"] == factor and x["case"] in plain
+def key_of(group: Sequence[Change], case: int) -> str:
+    return f"{case} {hash_of(' '.join(change.name for change in group))}"
+
+
+def hash_of(text: str) -> str:
+    """Return a short name of a text, the same in every process."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """What lines say so far, and what is still to be run.
+
+    `lines` are those of one maker and seed, in any order; `every` are the changes looked at.
+    """
+
+    lines: Sequence[Line]
+    every: Sequence[Change]
+
+    def waiting(self, case: int) -> list[tuple[Change, ...]]:
+        """Return groups of a case that are to be run next; none once all of it is told.
+
+        Cases with lower numbers must have been told: what they found is not looked for here.
+        """
+        plain = self._line((), case)
+        if plain is None:
+            return [()]
+        return [
+            group
+            for first in self.first_groups(case)
+            for group in self._waiting_of(first, case, plain)
         ]
-        changed = sum((a["verdict"], a["named"]) != (b["verdict"], b["named"]) for a, b in pairs)
+
+    def first_groups(self, case: int) -> list[tuple[Change, ...]]:
+        """Both groups of changes that could matter in a case and are not known yet to do so."""
+        plain = self._line((), case)
+        could = set(plain["could_matter"]) if plain else set()
+        open_ = [c for c in self.every if c.name in could and self._found(c, case) < ENOUGH]
+        coin = {c: int(hash_of(f"{case} {c.number.name}"), 16) % 2 for c in open_}
+        both = ([c for c in open_ if (c.factor > 1.0) == (coin[c] == side)] for side in (0, 1))
+        return [tuple(group) for group in both if group]
+
+    def alike(self, change: Change, case: int) -> bool | None:
+        """Whether a case is alike with a change alone; None where it was not looked at."""
+        plain = self._line((), case)
+        if plain is None:
+            return None
+        if change.name not in plain["could_matter"]:
+            return True
+        for first in self.first_groups(case):
+            if change in first:
+                return self._alike_in(change, first, case, plain)
+        return None
+
+    def told(self, change: Change, case: int) -> tuple[Line, Line] | None:
+        """A case as it is, and with a change alone; None where that was not run."""
+        plain, own = self._line((), case), self._line((change,), case)
+        return None if plain is None or own is None else (plain, own)
+
+    def only_together(self, cases: Sequence[int]) -> int:
+        """Count groups that change a case where neither of their halves does."""
+        count = 0
+        for case in cases:
+            plain = self._line((), case)
+            heap = self.first_groups(case)
+            while plain is not None and heap:
+                group = heap.pop()
+                line = self._line(group, case)
+                if line is None or _same(line, plain) or len(group) == 1:
+                    continue
+                parts = [self._line(half, case) for half in _halves(group)]
+                count += all(part is not None and _same(part, plain) for part in parts)
+                heap.extend(_halves(group))
+        return count
+
+    def _found(self, change: Change, before: int) -> int:
+        pairs = (self.told(change, case) for case in self._cases if case < before)
+        return sum(pair is not None and not _same(*pair) for pair in pairs)
+
+    def _waiting_of(
+        self, group: tuple[Change, ...], case: int, plain: Line
+    ) -> Iterator[tuple[Change, ...]]:
+        line = self._line(group, case)
+        if line is None:
+            yield group
+        elif not _same(line, plain) and len(group) > 1:
+            for half in _halves(group):
+                yield from self._waiting_of(half, case, plain)
+
+    def _alike_in(
+        self, change: Change, group: tuple[Change, ...], case: int, plain: Line
+    ) -> bool | None:
+        line = self._line(group, case)
+        if line is None:
+            return None
+        if _same(line, plain):
+            return True
+        if len(group) == 1:
+            return False
+        half = next(half for half in _halves(group) if change in half)
+        return self._alike_in(change, half, case, plain)
+
+    def _line(self, group: Sequence[Change], case: int) -> Line | None:
+        return self._by_key.get(key_of(group, case))
+
+    @cached_property
+    def _by_key(self) -> dict[str, Line]:
+        return {line["key"]: line for line in self.lines}
+
+    @cached_property
+    def _cases(self) -> list[int]:
+        return sorted({line["case"] for line in self.lines})
+
+
+def _halves(group: tuple[Change, ...]) -> tuple[tuple[Change, ...], tuple[Change, ...]]:
+    half = len(group) // 2
+    return group[:half], group[half:]
+
+
+def _same(a: Line, b: Line) -> bool:
+    return bool((a["verdict"], a["named"]) == (b["verdict"], b["named"]))
+
+
+def table(lines: Sequence[Line], every: Sequence[Change]) -> list[str]:
+    """A row a change: cases it was looked at in, those it changes, and right names lost and won."""
+    told = Ablation(lines, every)
+    cases = sorted({line["case"] for line in lines})
+    words = ("cases", "changed", "lost", "won")
+    rows = [f"{'number':44} {'factor':>6} " + " ".join(f"{word:>7}" for word in words)]
+    for change in every:
+        looked = [own for case in cases if (own := told.alike(change, case)) is not None]
+        pairs = [pair for case in cases if (pair := told.told(change, case)) is not None]
         lost = sum(a["right"] and not b["right"] for a, b in pairs)
         won = sum(b["right"] and not a["right"] for a, b in pairs)
-        counts = (len(plain), alike, len(pairs), changed, lost, won)
-        rows.append(f"{name:44} {factor:6.1f} " + " ".join(f"{count:7}" for count in counts))
+        counts = (len(looked), looked.count(False), lost, won)
+        rows.append(
+            f"{change.number.name:44} {change.factor:6.1f} "
+            + " ".join(f"{count:7}" for count in counts)
+        )
+    rows.append(f"{told.only_together(cases)} groups change a case where neither half of them does")
     return rows
-
-
-def _waiting(jobs: Sequence[Job], lines: Sequence[Line]) -> list[Job]:
-    """Jobs of which no line is kept."""
-    done = {line["key"] for line in lines}
-    return [
-        (n, factor, spec)
-        for n, factor, spec in jobs
-        if f"{n.name if n else AS_IT_IS} {factor} {spec.seed}" not in done
-    ]
 
 
 def main() -> int:
@@ -219,31 +351,27 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--nulls", type=int, default=50)
     parser.add_argument("--effects", type=int, default=50)
-    parser.add_argument("--only", nargs="*", default=[], help="numbers whose names hold a word")
     parser.add_argument("--workers", type=int, default=1)
     wanted = parser.parse_args()
-    every = [n for n in numbers() if not wanted.only or any(w in n.name for w in wanted.only)]
     if wanted.list or wanted.out is None:
-        print("\n".join(f"{n.name:50} {n.value:g}" for n in every))
-        print(f"{len(every)} numbers; --out FOLDER judges cases with each moved")
+        print("\n".join(f"{n.name:50} {n.value:g}" for n in numbers()))
+        print(f"{len(list(numbers()))} numbers; --out FOLDER judges cases with each moved")
         return 0
     specs = draw_cases(wanted.maker, wanted.seed, nulls=wanted.nulls, effects=wanted.effects)
     wanted.out.mkdir(parents=True, exist_ok=True)
     path = wanted.out / f"ablation-{wanted.maker}-{wanted.seed}.jsonl"
-    lines = kept_lines(path, "key")
-    as_it_is: list[Job] = [(None, 1.0, spec) for spec in specs]
+    lines, every = kept_lines(path, "key"), changes()
     # Started afresh: a worker must hold the numbers of the files, whatever its parent moved.
     with ProcessPoolExecutor(wanted.workers, mp_context=get_context("spawn")) as executor:
-        run_and_keep(path, executor, judged, _waiting(as_it_is, lines), lines.append)
-        could = {x["case"]: set(x["could_matter"]) for x in lines if x["number"] == AS_IT_IS}
-        # Case by case: a run that is stopped has told all of some cases.
-        jobs = [
-            (n, factor, spec)
-            for spec, n, factor in product(specs, every, WAYS)
-            if change(n, factor) in could[spec.number]
+        as_they_are = [
+            ((), spec) for spec in specs if Ablation(lines, every).waiting(spec.number) == [()]
         ]
-        run_and_keep(path, executor, judged, _waiting(jobs, lines), lines.append)
-    print("\n".join(table(lines)))
+        run_and_keep(path, executor, judged, as_they_are, lines.append)
+        for spec in sorted(specs, key=lambda spec: spec.number):
+            while groups := Ablation(lines, every).waiting(spec.number):
+                jobs = [(group, spec) for group in groups]
+                run_and_keep(path, executor, judged, jobs, lines.append)
+    print("\n".join(table(lines, every)))
     return 0
 
 

@@ -1,0 +1,72 @@
+"""Numbers of search and decision moved together, and the ones that matter found."""
+
+import ablation
+import numpy as np
+import pytest
+
+from armodal.analyzer.gap.search import race, rivals
+
+EVERY = ablation.changes()
+
+
+def told(case, found, could=EVERY, cases=()):
+    """Run a case to its end where `found` are the changes that matter; gives all lines."""
+    lines = list(cases)
+    while groups := ablation.Ablation(lines, EVERY).waiting(case):
+        for group in groups:
+            wrong = set(group) & set(found)
+            lines.append(
+                {
+                    "key": ablation.key_of(group, case),
+                    "case": case,
+                    "verdict": "named",
+                    "named": ["another"] if wrong else ["base"],
+                    "right": not wrong,
+                    "could_matter": [c.name for c in could] if not group else [],
+                }
+            )
+    return lines
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_the_changes_that_matter_are_found_with_few_runs(count):
+    found = EVERY[7 :: len(EVERY) // 3][:count]
+    lines = told(0, found)
+    own = ablation.Ablation(lines, EVERY)
+    assert [c for c in EVERY if own.alike(c, 0) is False] == found
+    assert [c for c in EVERY if own.alike(c, 0)] == [c for c in EVERY if c not in found]
+    # Two for each halving, five or six of which lead to one of thirty; then the first three.
+    assert len(lines) <= 3 + count * 2 * 5
+    assert own.only_together([0]) == 0
+
+
+def test_what_could_not_matter_is_not_moved():
+    lines = told(0, [], could=EVERY[:2])
+    assert len(lines) <= 3
+    own = ablation.Ablation(lines, EVERY)
+    assert all(own.alike(c, 0) for c in EVERY)
+
+
+def test_a_change_that_was_found_often_is_not_looked_for_again():
+    found, lines = EVERY[5], []
+    for case in range(ablation.ENOUGH):
+        lines = told(case, [found], cases=lines)
+    before = len(lines)
+    lines = told(ablation.ENOUGH, [found], cases=lines)
+    assert len(lines) == before + 3
+    assert ablation.Ablation(lines, EVERY).alike(found, ablation.ENOUGH) is None
+
+
+def test_numbers_are_moved_at_once_and_put_back():
+    steps, kept = (
+        next(c for c in EVERY if c.number.constant == name and c.factor > 1.0)
+        for name in ("PATIENCE", "_PARTS")
+    )
+    second = next(c for c in EVERY if c.number.name.endswith("_PARTS[1]") and c.factor < 1.0)
+    before = race.PATIENCE, vars(rivals)["_PARTS"]
+    with ablation.moved([steps, kept, second]):
+        assert pytest.approx(1.3 * before[0], rel=1e-12) == race.PATIENCE
+        assert rivals.PATIENCE == race.PATIENCE
+        factors = [a / b for a, b in zip(vars(rivals)["_PARTS"], before[1], strict=True)]
+        np.testing.assert_allclose(factors, [1.3, 0.7, 1.0], rtol=1e-12)
+    assert before == (race.PATIENCE, vars(rivals)["_PARTS"])
