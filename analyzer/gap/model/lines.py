@@ -236,10 +236,11 @@ def _peaks_n(
     hits: Sequence[Hit],
     width_s: float,
 ) -> Array:
-    """(n_mountings,) peaks of the hits of each mounting, geometric means.
+    """(n_mountings,) peaks of the hits of each mounting, geometric means weighed by power.
 
     Of half sines of one width, with the impulse of the hits' own: that is what moves a joint. One
-    place is hit anew for every mounting, by a hand that is never the same.
+    place is hit anew for every mounting, by a hand that is never the same. An average of hits
+    counts each by its force's power (H1), so it is the answer to a harder hit than their mean.
     """
     found = []
     ids = [point.id for point in superset.arm.points]
@@ -251,7 +252,7 @@ def _peaks_n(
             peaks = [impulse_n_s(session, hit) / (IMPULSE_OF_SINE * width_s) for hit in along]
         else:
             peaks = [hit.verdict.peak_n for hit in along]
-        found.append(float(np.exp(np.mean(np.log(peaks)))))
+        found.append(float(np.exp(np.average(np.log(peaks), weights=np.square(peaks)))))
     return np.array(found)
 
 
