@@ -24,6 +24,7 @@ __all__ = [
 _OF_AN_AXIS = ("link", "direction", "point_m")
 _K = "stiffness "
 _INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m"}  # a compliance is read as a stiffness
+_LOGARITHM, _TIMES = "ln", "times"
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
 _ALMOST_SURE = 0.999
 
@@ -45,7 +46,7 @@ def _what_where(title: str, place: str) -> str:
 def size_in_words(effect: EffectFound) -> str:
     """Value ± standard deviation and 95 % interval of the parameter that says how large it is."""
     found = effect.parameters.get(effect.size)
-    return "" if found is None else interval_in_words(found)
+    return "" if found is None else interval_in_words(_as_factor(effect.size, found)[1])
 
 
 def interval_in_words(found: Interval) -> str:
@@ -97,7 +98,8 @@ def mechanics(
             told = name
             if name in stiff:
                 told = "k" if len(stiff) == 1 or axis else name.replace("compliance ", "k ")
-            rows.append((told, interval_in_words(found).removeprefix(_K)))
+            told, own = _as_factor(told, found)
+            rows.append((told, interval_in_words(own).removeprefix(_K)))
     damping = _damping(parameters.get(size), parameters) if axis is not None else ""
     if damping:
         rows.append(("c", damping))
@@ -189,6 +191,16 @@ def axis_of_effect(effect: EffectFound) -> MarkedAxis | None:
         point_link_m=np.asarray(point, dtype=np.float64),
         label=f"{link}: {size_in_words(effect).partition(' (')[0]}",
     )
+
+
+def _as_factor(name: str, found: Interval) -> tuple[str, Interval]:
+    """A logarithm as the factor it is of, its deviation to first order; anything else as it is."""
+    words = name.split()
+    if _LOGARITHM not in words:
+        return name, found
+    value, low, high = (float(np.exp(x)) for x in (found.value, found.low, found.high))
+    own = Interval(unit=_TIMES, value=value, std=value * found.std, low=low, high=high)
+    return " ".join(word for word in words if word != _LOGARITHM), own
 
 
 def _as_stiffness(found: Interval) -> tuple[Interval, bool]:

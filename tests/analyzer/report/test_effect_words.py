@@ -87,6 +87,15 @@ def test_an_effect_without_an_axis_has_every_parameter_told():
     assert told["place"] == "shoulder"
 
 
+def test_a_logarithm_is_told_as_the_factor_it_is_of():
+    reads = Interval(unit="", value=np.log(1.2), std=0.01, low=np.log(1.18), high=np.log(1.22))
+    told = words_of({"ln hammer": reads}, {}, size="ln hammer")
+    assert told["hammer"] == "1.200 ± 0.012 times (95 %: 1.18 to 1.22 times)"
+    effect = replace(EFFECT, title="Hammer gain is wrong", parameters={"ln hammer": reads})
+    sentence = effect_sentence(replace(effect, size="ln hammer"))
+    assert sentence == "Hammer gain is wrong: 1.200 ± 0.012 times (95 %: 1.18 to 1.22 times)."
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_a_moved_axis_is_given_by_its_point_nearest_the_origin_of_its_link(seed):
     random = np.random.default_rng(seed)
