@@ -1,9 +1,13 @@
 """Numbers of search and decision moved together, and the ones that matter found."""
 
+import ast
+from pathlib import Path
+
 import ablation
 import numpy as np
 import pytest
 
+from armodal.analyzer import gap
 from armodal.analyzer.gap.search import race, rivals
 
 EVERY = ablation.changes()
@@ -70,3 +74,30 @@ def test_numbers_are_moved_at_once_and_put_back():
         factors = [a / b for a, b in zip(vars(rivals)["_PARTS"], before[1], strict=True)]
         np.testing.assert_allclose(factors, [1.3, 0.7, 1.0], rtol=1e-12)
     assert before == (race.PATIENCE, vars(rivals)["_PARTS"])
+
+
+def test_functions_of_search_and_decision_hold_no_number_of_their_own():
+    """What is no index, dimension or part of a formula is a constant, and moved."""
+    plain = {-1, 0, 1, 2, 3, 5, 6, 64, 0.5}  # 5: of the golden angle; 64: kept answers
+    found = set()
+    for path in sorted(
+        path
+        for folder in ablation.FOLDERS
+        for path in (Path(gap.__file__).parent / folder).glob("*.py")
+    ):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        of_module = {
+            node
+            for own in tree.body
+            if isinstance(own, ast.Assign | ast.AnnAssign)
+            for node in ast.walk(own)
+        }
+        found |= {
+            (path.name, node.value)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Constant)
+            and isinstance(node.value, int | float)
+            and node not in of_module
+            and node.value not in plain
+        }
+    assert not found

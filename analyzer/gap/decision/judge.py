@@ -34,6 +34,7 @@ __all__ = [
 _PART_OF_GAIN = 0.1  # by which an axis may explain more than the joint on which it lies
 _MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scatter
 _SLIGHT_PART = 0.02  # of a gain
+_LEFT = 0.2  # of a response
 MOST = 0.5  # of a misfit: what explains as much explains more than all others together
 
 
@@ -44,7 +45,7 @@ class Thresholds:
     false_name: float = FALSE_NAME  # accepted probability of a false name
     # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
     # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
-    outside_left: float = 0.20
+    outside_left: float = _LEFT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

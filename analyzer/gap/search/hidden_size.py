@@ -19,6 +19,9 @@ from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["HiddenSize"]
 
+_BEYOND = 0.05  # part of a size's distribution that lies beyond its limit: 95 % are told
+_HELD = 1e-3  # of a size, its prior's deviation: it stays what it is asked for
+
 
 class HiddenSize:
     """How large a hidden effect may be: at most a limit of its size, until held against data.
@@ -68,7 +71,7 @@ class HiddenSize:
         firm = replace(
             instance,
             parameters=tuple(
-                replace(p, mean=size, std=1e-3 * abs(size), start=size)
+                replace(p, mean=size, std=_HELD * abs(size), start=size)
                 if p.name == instance.size
                 else p
                 for p in instance.parameters
@@ -80,7 +83,7 @@ class HiddenSize:
             for name, value in final.values.items()
         }
         target_cost = (
-            final.cost + 0.5 * float(scipy.special.chdtri(1, 0.05)) * self._inflation
+            final.cost + 0.5 * float(scipy.special.chdtri(1, _BEYOND)) * self._inflation
         )  # 95 % of one parameter's
         if cost_at(stage, hypothesis, followed) < target_cost:
             return True

@@ -32,6 +32,7 @@ __all__ = ["PAIRS", "Line", "best_lines", "left_after", "lines_of_interfaces"]
 Array = npt.NDArray[np.float64]
 
 _KEPT = 2  # lines of each link's interface
+_LOOKED_AT, _APART = 3, 0.7  # of lines tried in a link; cosine below which two are apart
 _N_DIRECTIONS = 60
 _LEVERS_M = (0.1, 0.25)  # and none
 PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
@@ -138,9 +139,9 @@ def best_lines(
     gain = np.where(g < 0.0, 0.5 * g * g / h, 0.0)
     chosen: list[int] = []
     for i in np.argsort(-gain):
-        if all(abs(lines[i][0] @ lines[j][0]) < 0.7 for j in chosen):
+        if all(abs(lines[i][0] @ lines[j][0]) < _APART for j in chosen):
             chosen.append(int(i))
-        if len(chosen) == 3:
+        if len(chosen) == _LOOKED_AT:
             break
     return [
         Line(

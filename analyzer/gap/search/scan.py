@@ -123,7 +123,7 @@ def _gain(
     std: Array = 1.0 / np.sqrt(S.diagonal())
     active = ~(one_sided & (slope >= 0.0))
     whole: Array = np.zeros(len(own))
-    for _ in range(3):
+    for _ in own:
         if not active.any():
             break
         step = -np.linalg.solve(S[np.ix_(active, active)], slope[active])
