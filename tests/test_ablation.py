@@ -78,7 +78,8 @@ def test_numbers_are_moved_at_once_and_put_back():
 
 def test_functions_of_search_and_decision_hold_no_number_of_their_own():
     """What is no index, dimension or part of a formula is a constant, and moved."""
-    plain = {-1, 0, 1, 2, 3, 5, 6, 64, 0.5}  # 5: of the golden angle; 64: kept answers
+    # 5: of the golden angle; 64: kept answers; 100: percent
+    plain = {-1, 0, 1, 2, 3, 5, 6, 64, 100, 0.5}
     found = set()
     for path in sorted(
         path

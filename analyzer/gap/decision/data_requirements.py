@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
 from armodal.analyzer.gap.inference.annealing import FEWEST_POSTURES
-from armodal.analyzer.gap.model.hit_levels import has_levels
+from armodal.analyzer.gap.model.hit_levels import has_levels, postures_hit_once
+from armodal.analyzer.gap.model.lines import HIT_ONCE
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan_records import Mode
 from armodal.protocols.session.operator_angles import angles_by_hand
-from armodal.protocols.session.records import Hit, Session
+from armodal.protocols.session.records import Session
 
 __all__ = ["check_data_requirements", "check_tests", "notes_on"]
 
 _FEWEST_POINTS = 4
-_MOST_ONCE = 0.5  # of points with a single hit: the others' scatter is taken for theirs
 
 
 def check_data_requirements(session: Session) -> None:
@@ -24,8 +23,7 @@ def check_data_requirements(session: Session) -> None:
     Raises
     ------
     EstimateError
-        If it cannot: no elastic joint, no accepted hit, too few postures or points, or points hit
-        once only.
+        If it cannot: no elastic joint, no accepted hit, too few postures or points.
     """
     arm = session.header.arm
     if not any(joint.stiffness is not None for joint in arm.joints):
@@ -56,7 +54,6 @@ def check_data_requirements(session: Session) -> None:
             f"wanted at least {_FEWEST_POINTS} points, three on every link that matters, got "
             f"{len(points)}; measure more points"
         )
-    _check_hits(accepted, "")
 
 
 def check_tests(session: Session, more: Sequence[Session]) -> None:
@@ -65,7 +62,7 @@ def check_tests(session: Session, more: Sequence[Session]) -> None:
     Raises
     ------
     EstimateError
-        If one has no accepted hit or points hit once only, or is there twice.
+        If one has no accepted hit, or is there twice.
     """
     seen = {session.header.session_id}
     for number, other in enumerate(more, start=2):
@@ -81,25 +78,15 @@ def check_tests(session: Session, more: Sequence[Session]) -> None:
                 f"no hit of test {number} was accepted, so it adds nothing; leave it out or "
                 "measure it again"
             )
-        _check_hits(accepted, f" of test {number}")
-
-
-def _check_hits(accepted: Sequence[Hit], of_what: str) -> None:
-    hits_at = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in accepted)
-    once = sum(n == 1 for n in hits_at.values())
-    if once > _MOST_ONCE * len(hits_at):
-        raise EstimateError(
-            f"wanted two good hits or more at each point{of_what}, to see how far hits scatter, "
-            f"got one at {once} of {len(hits_at)}; without that no misfit tells anything: hit them "
-            "again"
-        )
 
 
 def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
     """What a reader must know of a session that was judged, and of its further tests."""
     notes = [*angles_by_hand(session.header), *session.header.arm.tolerances.remarks]
+    notes += _hit_once(session, "")
     for number, other in enumerate(more, start=2):
         notes += [f"test {number}: {said}" for said in angles_by_hand(other.header)]
+        notes += _hit_once(other, f" of test {number}")
     of_hits = {hit.posture for hit in session.hits}
     averaged = sorted({frf.posture for frf in session.frfs} - of_hits)
     if of_hits and averaged:
@@ -126,3 +113,15 @@ def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
     if not session.complete:
         notes.append("the session is not complete; what is missing was not judged")
     return notes
+
+
+def _hit_once(session: Session, of_what: str) -> list[str]:
+    once = postures_hit_once([hit for hit in session.hits if hit.verdict.accepted])
+    if not once:
+        return []
+    words = (
+        f"every point of {', '.join(once)}{of_what} was hit once, so nothing tells how far hits "
+        f"scatter: {100 * HIT_ONCE:.0f} % of the response is taken, and what changes it by less "
+        "may be missed; two hits at each point tell"
+    )
+    return [words]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,6 +13,7 @@ __all__ = [
     "has_hits_between",
     "has_levels",
     "middle_level",
+    "postures_hit_once",
     "soft_and_hard",
     "weight_factors",
 ]
@@ -83,6 +85,13 @@ def _thirds(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit], list[Hit]]:
         between += group[n:-n]
         hard += group[-n:]
     return soft, between, hard
+
+
+def postures_hit_once(hits: Sequence[Hit]) -> tuple[str, ...]:
+    """Return the postures where no point was hit twice: nothing there tells how hits scatter."""
+    counts = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in hits)
+    twice = {posture for (posture, _, _), n in counts.items() if n > 1}
+    return tuple(name for name in dict.fromkeys(hit.posture for hit in hits) if name not in twice)
 
 
 def weight_factors(hits: Sequence[Hit]) -> dict[tuple[str, str, str], float]:
