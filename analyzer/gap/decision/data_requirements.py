@@ -120,8 +120,8 @@ def _hit_once(session: Session, of_what: str) -> list[str]:
     if not once:
         return []
     words = (
-        f"every point of {', '.join(once)}{of_what} was hit once, so nothing tells how far hits "
-        f"scatter: {100 * HIT_ONCE:.0f} % of the response is taken, and what changes it by less "
-        "may be missed; two hits at each point tell"
+        f"in {', '.join(once)}{of_what} most points were hit once, so nothing tells how far those "
+        f"hits scatter: {100 * HIT_ONCE:.0f} % of the response is taken, and what changes it by "
+        "less may be missed; two hits at each point tell"
     )
     return [words]

@@ -88,10 +88,14 @@ def _thirds(hits: Sequence[Hit]) -> tuple[list[Hit], list[Hit], list[Hit]]:
 
 
 def postures_hit_once(hits: Sequence[Hit]) -> tuple[str, ...]:
-    """Return the postures where no point was hit twice: nothing there tells how hits scatter."""
-    counts = Counter((hit.posture, hit.sensor_point, hit.hit_point) for hit in hits)
-    twice = {posture for (posture, _, _), n in counts.items() if n > 1}
-    return tuple(name for name in dict.fromkeys(hit.posture for hit in hits) if name not in twice)
+    """Return the postures where most points were hit once: little there tells how hits scatter.
+
+    Where fewer were, the scatter of the others is taken.
+    """
+    times: dict[str, list[int]] = {}
+    for (posture, *_), n in Counter(_place(hit) for hit in hits).items():
+        times.setdefault(str(posture), []).append(n)
+    return tuple(name for name, own in times.items() if 2 * own.count(1) > len(own))
 
 
 def weight_factors(hits: Sequence[Hit]) -> dict[tuple[str, str, str], float]:

@@ -24,12 +24,12 @@ from armodal.analyzer.gap.model.hit_levels import (
     weight_factors,
 )
 from armodal.analyzer.gap.model.impulses import IMPULSE_OF_SINE, impulse_n_s
+from armodal.analyzer.gap.model.moved_frfs import moved_frfs
 from armodal.analyzer.given_frfs import complete_points
 from armodal.analyzer.modal.frf import posture_frf
 from armodal.analyzer.modal.noise import smooth_lines
-from armodal.protocols.arrays import frozen_array
 from armodal.protocols.errors import EstimateError
-from armodal.protocols.frf_records import FrequencyResponse, FrfForm
+from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.session.records import Hit, Session
 
@@ -47,13 +47,9 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _FEWEST = 4  # lines of a posture
 _LEAD = 24  # samples kept before the trigger, for the offset and the noise
-_NEGATIVE_TIME = 0.045  # of the record: what a taper in frequency smears before the hit
 _SMOOTHED = 2  # lines to each side
 _ALONG = 0.99  # cosine: hits along one direction
-# Of a mounting's response, as scatter where every point was hit once. Repeated hits of another lab
-# scatter by 1.7 % (`docs/real-measurements.md`), of the makers by 5 %.
-HIT_ONCE = 0.1
-_TAPER = 0.1  # of the band, cosine, at its upper end
+HIT_ONCE = 0.1  # of a mounting's response, as the scatter of single hits (`docs/theory-gap.md`)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,7 +151,8 @@ def own_lines(
             return _widened(superset, all_hits, hits)
         once = postures_hit_once(hits)
         return tuple(
-            _hit_once(superset, session, own, hits) if own.name in once else own for own in all_hits
+            _hit_once(session, own, _hits_of(superset, own, hits)) if own.name in once else own
+            for own in all_hits
         )
     return _lines_at_levels(superset, session, stage, soft_and_hard(hits), level_about)
 
@@ -190,20 +187,20 @@ def scatter(values: Sequence[ComplexArray]) -> Array:
 
 
 def _hit_once(
-    superset: Superset, session: Session, lines: PostureLines, hits: Sequence[Hit]
+    session: Session, lines: PostureLines, of_mountings: Sequence[Sequence[Hit]]
 ) -> PostureLines:
-    """The lines with a scatter that is assumed, and with the noise that ends of records tell.
+    """Lines of single hits with a scatter that is assumed, and the noise that records' ends tell.
 
     The scatter is one of all three axes: a wrong aim mixes them.
     """
-    ids = [point.id for point in superset.arm.points]
-    own = [_from_the_hit(hit) for hit in hits if hit.posture == lines.name]
-    noise = noise_at_ends(session, own, lines.s_rad_s)
-    where = {(hit.sensor_point, hit.hit_point): i for i, hit in enumerate(own)}
-    points = zip(lines.sensor_point, lines.hit_point[lines.hit], strict=True)
-    rows = [where[ids[sensor], ids[hit]] for sensor, hit in points]
-    power = np.mean(np.abs(lines.values) ** 2, axis=1, keepdims=True)
-    return replace(lines, variance=lines.variance + HIT_ONCE**2 * power + noise[rows])
+    alone = [i for i, hits in enumerate(of_mountings) if len(hits) == 1]
+    noise = noise_at_ends(
+        session, [_from_the_hit(of_mountings[i][0]) for i in alone], lines.s_rad_s
+    )
+    variance = lines.variance.copy()
+    power = np.mean(np.abs(lines.values[alone]) ** 2, axis=1, keepdims=True)
+    variance[alone] += HIT_ONCE**2 * power + noise
+    return replace(lines, variance=variance)
 
 
 def _widened(
@@ -254,20 +251,26 @@ def _lines_of(
                 lines,
                 level=level,
                 peak_n=float(np.exp(_mean_level(chosen))),
-                peaks_n=_peaks_n(superset, session, lines, own, width_s),
+                peaks_n=_peaks_n(session, _hits_of(superset, lines, own), width_s),
                 width_s=width_s,
             )
         )
     return tuple(result)
 
 
-def _peaks_n(
-    superset: Superset,
-    session: Session,
-    lines: PostureLines,
-    hits: Sequence[Hit],
-    width_s: float,
-) -> Array:
+def _hits_of(superset: Superset, lines: PostureLines, hits: Sequence[Hit]) -> list[list[Hit]]:
+    """Those of each mounting, of hits of any postures."""
+    found = []
+    ids = [point.id for point in superset.arm.points]
+    here = [hit for hit in hits if hit.posture == lines.name]
+    for sensor, at in zip(lines.sensor_point, lines.hit, strict=True):
+        where, direction = ids[lines.hit_point[at]], lines.hit_direction[at]
+        own = [hit for hit in here if (hit.sensor_point, hit.hit_point) == (ids[sensor], where)]
+        found.append([hit for hit in own if hit.hit_direction @ direction > _ALONG] or own)
+    return found
+
+
+def _peaks_n(session: Session, of_mountings: Sequence[Sequence[Hit]], width_s: float) -> Array:
     """(n_mountings,) peaks of the hits of each mounting, geometric means weighed by power.
 
     Of half sines of one width, with the impulse of the hits' own: that is what moves a joint. One
@@ -275,15 +278,11 @@ def _peaks_n(
     counts each by its force's power (H1), so it is the answer to a harder hit than their mean.
     """
     found = []
-    ids = [point.id for point in superset.arm.points]
-    for sensor, hit in zip(lines.sensor_point, lines.hit, strict=True):
-        where, direction = ids[lines.hit_point[hit]], lines.hit_direction[hit]
-        along = [h for h in hits if (h.sensor_point, h.hit_point) == (ids[sensor], where)]
-        along = [h for h in along if h.hit_direction @ direction > _ALONG] or along
+    for hits in of_mountings:
         if width_s:
-            peaks = [impulse_n_s(session, hit) / (IMPULSE_OF_SINE * width_s) for hit in along]
+            peaks = [impulse_n_s(session, hit) / (IMPULSE_OF_SINE * width_s) for hit in hits]
         else:
-            peaks = [hit.verdict.peak_n for hit in along]
+            peaks = [hit.verdict.peak_n for hit in hits]
         found.append(float(np.exp(np.average(np.log(peaks), weights=np.square(peaks)))))
     return np.array(found)
 
@@ -299,7 +298,10 @@ def shifted_lines(
 
     Variance is moved as white noise in time is: it falls as the window's energy does.
     """
-    return tuple(_thinned(superset, _moved(frf, stage), stage, sensor_mass_kg) for frf in frfs)
+    return tuple(
+        _thinned(superset, moved_frfs(frf, stage.sigma_rad_s), stage, sensor_mass_kg)
+        for frf in frfs
+    )
 
 
 def _from_the_hit(hit: Hit) -> Hit:
@@ -325,49 +327,6 @@ def _joints(session: Session, name: str) -> Array:
             "measure it with the controller's angles on the bus"
         )
     return np.asarray(np.mean(angles, axis=0))
-
-
-def _moved(frf: FrequencyResponse, stage: Annealing) -> FrequencyResponse:
-    """The same FRFs on the lines sigma + j w."""
-    step = float(np.median(np.diff(frf.freq_hz)))
-    shift = stage.sigma_rad_s - frf.decay_rad_s
-    first = round(float(frf.freq_hz[0]) / step)
-    n_lines = first + frf.freq_hz.size
-    if not np.allclose(frf.freq_hz, step * np.arange(first, n_lines), atol=1e-3 * step):
-        raise EstimateError(
-            f"posture '{frf.posture}': wanted frequency lines that are whole multiples of their "
-            "spacing, got others; export the FRFs on the analyser's own lines"
-        )
-    if shift < 0.0:
-        raise EstimateError(
-            f"posture '{frf.posture}': its exponential window is stronger than this fit wants; "
-            "measure with a longer record"
-        )
-    s = frf.decay_rad_s + 2j * np.pi * frf.freq_hz
-    power = {FrfForm.RECEPTANCE: 2, FrfForm.MOBILITY: 1, FrfForm.ACCELERANCE: 0}[frf.form]
-    values = frf.values * s**power
-    full = np.zeros((*values.shape[:2], n_lines), dtype=np.complex128)
-    full[..., first:] = values
-    # Below the band an arm on springs answers as s^2.
-    low = frf.decay_rad_s + 2j * np.pi * step * np.arange(first)
-    full[..., :first] = values[..., :1] * (low / s[0]) ** 2
-    n_taper = max(int(_TAPER * n_lines), 1)
-    full[..., -n_taper:] *= 0.5 + 0.5 * np.cos(np.pi * (np.arange(n_taper) + 0.5) / n_taper)
-    n = 2 * n_lines
-    impulse = np.fft.irfft(np.concatenate([full, np.zeros_like(full[..., :1])], axis=-1), n)
-    time = np.arange(n) / (n * step)
-    before = time > (1.0 - _NEGATIVE_TIME) / step
-    time = np.where(before, time - 1.0 / step, time)
-    window = np.exp(-shift * time)
-    moved = np.fft.rfft(impulse * window, axis=-1)[..., first:n_lines]
-    energy = float(np.mean(window**2))
-    return replace(
-        frf,
-        form=FrfForm.ACCELERANCE,
-        values=frozen_array(moved, np.complex128),
-        variance=frozen_array(frf.variance * np.abs(s) ** (2 * power) * energy, np.float64),
-        decay_rad_s=stage.sigma_rad_s,
-    )
 
 
 def _thinned(
