@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from armodal.analyzer.gap.inference.annealing import FEWEST_POSTURES
 from armodal.analyzer.gap.model.hit_levels import has_levels, postures_hit_once
-from armodal.analyzer.gap.model.lines import HIT_ONCE
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan_records import Mode
 from armodal.protocols.session.operator_angles import angles_by_hand
@@ -121,7 +120,8 @@ def _hit_once(session: Session, of_what: str) -> list[str]:
         return []
     words = (
         f"in {', '.join(once)}{of_what} most points were hit once, so nothing tells how far those "
-        f"hits scatter: {100 * HIT_ONCE:.0f} % of the response is taken, and what changes it by "
-        "less may be missed; two hits at each point tell"
+        "hits scatter. The ends of their records tell noise, of the aim its tolerance is taken: "
+        "with a worse one something may seem to be outside the library, and what is faint be "
+        "missed; two hits at each point tell"
     )
     return [words]

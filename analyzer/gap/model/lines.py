@@ -34,7 +34,6 @@ from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.session.records import Hit, Session
 
 __all__ = [
-    "HIT_ONCE",
     "Annealing",
     "PostureLines",
     "own_lines",
@@ -49,7 +48,6 @@ _FEWEST = 4  # lines of a posture
 _LEAD = 24  # samples kept before the trigger, for the offset and the noise
 _SMOOTHED = 2  # lines to each side
 _ALONG = 0.99  # cosine: hits along one direction
-HIT_ONCE = 0.1  # of a mounting's response, as the scatter of single hits (`docs/theory-gap.md`)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,17 +187,13 @@ def scatter(values: Sequence[ComplexArray]) -> Array:
 def _hit_once(
     session: Session, lines: PostureLines, of_mountings: Sequence[Sequence[Hit]]
 ) -> PostureLines:
-    """Lines of single hits with a scatter that is assumed, and the noise that records' ends tell.
-
-    The scatter is one of all three axes: a wrong aim mixes them.
-    """
+    """Lines of single hits with the noise that their records' ends tell beside what is known."""
     alone = [i for i, hits in enumerate(of_mountings) if len(hits) == 1]
     noise = noise_at_ends(
         session, [_from_the_hit(of_mountings[i][0]) for i in alone], lines.s_rad_s
     )
     variance = lines.variance.copy()
-    power = np.mean(np.abs(lines.values[alone]) ** 2, axis=1, keepdims=True)
-    variance[alone] += HIT_ONCE**2 * power + noise
+    variance[alone] += noise
     return replace(lines, variance=variance)
 
 

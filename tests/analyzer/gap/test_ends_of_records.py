@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.ends_of_records import noise_at_ends, windowed_noise_power
 from armodal.analyzer.gap.model.hit_levels import postures_hit_once
-from armodal.analyzer.gap.model.lines import HIT_ONCE, Annealing, own_lines
+from armodal.analyzer.gap.model.lines import Annealing, own_lines
 from armodal.analyzer.modal.spectra import active_channels
 from armodal.analyzer.modal.windows import highpass_response
 
@@ -55,8 +55,18 @@ def test_what_ends_of_records_hold_goes_into_the_accelerances(session):
     np.testing.assert_allclose(found.mean(axis=0), expected, rtol=0.3)
 
 
-def test_only_single_hits_are_widened(session):
-    """Of two points hit once, beside one hit thrice, in a posture where most are hit once."""
+def with_loud_end(session, hit):
+    """The hit with a hum of 30 Hz in its last quarter, as large as its answer."""
+    counts, columns = hit.counts.copy(), active_channels(session)[2][1:]
+    n = len(counts) // 4
+    t = np.arange(n) / float(session.header.plan.sampling.rate_hz)
+    hum = np.outer(np.sin(2.0 * np.pi * 30.0 * t), np.ptp(counts[:, columns], axis=0))
+    counts[-n:, columns] += np.rint(hum).astype(counts.dtype)
+    return replace(hit, counts=counts)
+
+
+def test_only_single_hits_have_the_noise_of_their_ends(session):
+    """In a posture where one point is hit several times, and the others once."""
     superset = Superset(session.header.arm)
     stage = Annealing(sigma_rad_s=2 * np.pi * 6.0, step_hz=8.0, band_hz=(8.0, 60.0))
     posture = session.hits[0].posture
@@ -69,13 +79,15 @@ def test_only_single_hits_are_widened(session):
     assert postures_hit_once(mostly.hits) == (posture,)
     assert postures_hit_once(of_posture) == ()
     (found,) = own_lines(superset, mostly, stage)
-    power = np.mean(np.abs(found.values) ** 2, axis=1, keepdims=True)
-    widened = np.all(found.variance > HIT_ONCE**2 * power, axis=(1, 2))
+    # The same with a record's end that is much louder: only what was hit once takes it for noise.
+    loud = [with_loud_end(session, hit) for hit in mostly.hits]
+    (louder,) = own_lines(superset, replace(mostly, hits=tuple(loud)), stage)
+    ratio = np.median(louder.variance / found.variance, axis=(1, 2))
     ids = [point.id for point in superset.arm.points]
-    at = [ids[point] == points[0] for point in found.sensor_point]
-    assert np.all(widened[np.logical_not(at)])
-    (alone,) = own_lines(superset, replace(session, hits=tuple(several)), stage)
-    assert not np.all(alone.variance > HIT_ONCE**2 * power[at])
+    once = np.array([ids[point] != points[0] for point in found.sensor_point])
+    assert np.all(ratio[once] > 2.0)
+    # Three quarters into a record next to nothing passes the window.
+    np.testing.assert_allclose(ratio[~once], 1.0, rtol=0.01)
 
 
 def test_hits_along_two_directions_are_two_points_hit_once(session):

@@ -106,7 +106,7 @@ def test_points_hit_once_have_a_scatter_that_is_assumed_and_said():
     case = small_case(2, "rv4frl", "delay", of=SmallestCase)
     result = find_gap(hit_once(case.session()), gates=False, modes=False, advice=False).result
     (said,) = [note for note in result.notes if "hit once" in note]
-    assert "10 % of the response is taken" in said
+    assert "of the aim its tolerance is taken" in said
     assert mark(json.loads(case.open_truth()), result).outcome == "right"
     null = hit_once(small_case(4, "rv4frl", of=SmallestCase).session())
     result = find_gap(null, gates=False, modes=False, advice=False).result
