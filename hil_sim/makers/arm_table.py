@@ -57,6 +57,12 @@ class Shell:
     diameter_m: float
     wall_m: float
 
+    @property
+    def slenderness(self) -> float:
+        """Length of the longest straight piece over the diameter."""
+        pieces = np.diff(np.array(self.path), axis=0)
+        return float(np.linalg.norm(pieces, axis=1).max()) / self.diameter_m
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LinkRow:
@@ -87,6 +93,13 @@ class ArmTable:
     youngs_modulus_pa: float  # of the shells
     density_kg_m3: float
     peaks_n: tuple[float, float, float]  # of soft, middle and hard hits
+
+    @property
+    def long_links(self) -> tuple[str, str]:
+        """Return the two links that are beams most of all: the slender ones, from the base on."""
+        first, second, *_ = np.argsort([-row.shell.slenderness for row in self.links])
+        one, other = sorted((int(first), int(second)))
+        return self.links[one].link, self.links[other].link
 
     def inertials(self) -> tuple[Inertial, ...]:
         """Return every link's inertial, the tool on the last."""

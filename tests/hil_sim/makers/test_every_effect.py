@@ -31,6 +31,19 @@ def middle(span):
     return 1.0 if span is None else float(np.sqrt(span[0] * span[1]))
 
 
+@pytest.mark.parametrize("arm", ARMS)
+def test_links_that_bend_or_twist_are_longer_than_wide(arm):
+    """A piece along a joint's own axis that twists is that joint in series: no name tells it."""
+    table = arm_table(arm)
+    shells = {row.link: row.shell for row in table.links}
+    for kind in ("link_bending", "link_torsion"):
+        places = [
+            *FRAME_EFFECTS[kind].where(everyday(table, "rigid", 3)),
+            *MUJOCO_EFFECTS[kind].places(ordinary(table, "rigid", 3)),
+        ]
+        assert all(shells[place].slenderness > 1.0 for place in places)
+
+
 @pytest.mark.parametrize("arm", EVERY_ARM)
 def test_mujocos_effects_fit_every_arm(arm):
     table = arm_table(arm)

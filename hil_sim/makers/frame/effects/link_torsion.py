@@ -10,7 +10,7 @@ RANGE = (1.5, 2000.0)  # times as soft as the section
 
 def where(drawn: Everyday) -> list[str]:
     """One of the long links."""
-    return [row.link for row in drawn.table.links[1:3]]
+    return list(drawn.table.long_links)
 
 
 def hide(kit: Kit, place: str, size: float) -> Hidden:

@@ -10,8 +10,8 @@ LOSS_TIME_S = (1e-5, 2e-4)
 
 
 def places(drawn: Ordinary) -> list[str]:
-    """The second or third link."""
-    return [row.link for row in drawn.table.links[1:3]]
+    """One of the long links."""
+    return list(drawn.table.long_links)
 
 
 def put(rig: Rig, place: str, size: float) -> Parameters:
