@@ -42,6 +42,7 @@ _STD_M, _FLOOR_STD_M = 0.15, 0.3
 _FLOOR_M = (0.0, 0.0, 0.1)
 _SIZE = 5.0  # of the mean joint damping over the square of a lever
 _LEAST_M = 1e-3
+_ON_AXIS_M = 0.03  # inside a joint's bearing: both links move alike there
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -130,6 +131,20 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
             found.append((other, begin))
         return found
 
+    def is_also(values: Mapping[str, float], other: Instance) -> bool:
+        """A damper that ends on a joint's axis ends on either link of that joint."""
+        names = [joint.link.name for joint in ordinary.arm.joints]
+        theirs = other.place.split(" and ")[-1]
+        if other.effect is not WORDS or abs(names.index(theirs) - far) != 1:
+            return False
+        end = np.array([values[n] for n in to_coordinates])
+        joint = ordinary.arm.joints[max(names.index(theirs), far)]
+        axis, at = np.asarray(joint.axis), np.zeros(3)
+        if theirs == joint.link.name:
+            T = joint.T_parent_joint
+            axis, at = T[:3, :3] @ axis, T[:3, 3]
+        return bool(np.linalg.norm(np.cross(end - at, axis)) < _ON_AXIS_M)
+
     def place(names: list[str], link: int) -> list[Parameter]:
         std_m = _FLOOR_STD_M if link == FLOOR else _STD_M
         middle = middle_of(ordinary, link).tolist()
@@ -149,6 +164,7 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
         builder=build,
         describe=describe,
         alternatives=alternatives,
+        is_also=is_also,
         size=name,
         shapes=(*from_coordinates, *to_coordinates),
         material=_MATERIAL * std,

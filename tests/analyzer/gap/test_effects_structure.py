@@ -274,6 +274,28 @@ def test_a_damper_resists_the_rate_of_its_length(superset, ordinary, lines, pose
     )
 
 
+@pytest.mark.parametrize("off_m", [0.0, 0.08])
+def test_a_damper_that_ends_on_a_joints_axis_is_on_both_its_links(ordinary, lines, posed, off_m):
+    """Its effect is one then, and told as one; beside the axis it is on one of them."""
+    far = [
+        instance_of(ordinary, "nonproportional", f"floor and {n}") for n in ("knuckle", "fore_tube")
+    ]
+    joint = ordinary.arm.joints[3]
+    end = np.array([off_m, 0.0, 0.1])  # its axis is z
+    T = joint.T_parent_joint
+    ends = [T[:3, :3] @ end + T[:3, 3], end]
+    found, one = [], []
+    for instance, other, place in zip(far, far[::-1], ends, strict=True):
+        hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
+        values = start_of(hypothesis) | {instance.size: 700.0}
+        values |= dict(zip(instance.shapes[3:], place.tolist(), strict=True))
+        found.append(posed.system(hypothesis, lines, values).damping)
+        one.append(instance.is_also(values, other))
+    of_joints = [C[: len(ordinary.elastic), : len(ordinary.elastic)] for C in found]
+    alike = np.allclose(*of_joints, rtol=1e-6, atol=1e-6 * np.abs(of_joints[0]).max())
+    assert one == [alike] * 2 == [off_m == 0.0] * 2
+
+
 def test_a_link_may_give_way_in_its_middle_alone_or_at_one_end(ordinary, lines, posed):
     """The whole yield stays what it is; the middle's bound is one hinge at half the length."""
     instance = instance_of(ordinary, "link_bending", "lower_arm")
