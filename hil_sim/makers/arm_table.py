@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,7 @@ import numpy.typing as npt
 __all__ = ["ArmTable", "Array", "Inertial", "LinkRow", "Shell", "box", "rotation"]
 
 Array = npt.NDArray[np.float64]
+ALIGNED = 0.7  # cosine between a link's line and a joint's axis
 Triple = tuple[float, float, float]
 
 
@@ -60,8 +62,13 @@ class Shell:
     @property
     def slenderness(self) -> float:
         """Length of the longest straight piece over the diameter."""
+        return float(np.linalg.norm(self.longest_m)) / self.diameter_m
+
+    @property
+    def longest_m(self) -> Array:
+        """The longest straight piece, (3,) link frame."""
         pieces = np.diff(np.array(self.path), axis=0)
-        return float(np.linalg.norm(pieces, axis=1).max()) / self.diameter_m
+        return np.asarray(pieces[np.argmax(np.linalg.norm(pieces, axis=1))])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,6 +107,19 @@ class ArmTable:
         first, second, *_ = np.argsort([-row.shell.slenderness for row in self.links])
         one, other = sorted((int(first), int(second)))
         return self.links[one].link, self.links[other].link
+
+    @property
+    def twisting_links(self) -> tuple[str, ...]:
+        """Return the long links whose line is no joint's axis: others twist as that joint turns."""
+        after = {row.link: next_row for row, next_row in pairwise(self.links)}
+        found = []
+        for row in self.links:
+            line = row.shell.longest_m / np.linalg.norm(row.shell.longest_m)
+            beyond = rotation(after[row.link].rpy_rad)[:, 2] if row.link in after else np.zeros(3)
+            aligned = max(abs(line[2]), abs(line @ beyond))
+            if row.link in self.long_links and aligned < ALIGNED:
+                found.append(row.link)
+        return tuple(found)
 
     def inertials(self) -> tuple[Inertial, ...]:
         """Return every link's inertial, the tool on the last."""

@@ -7,7 +7,7 @@ from functools import partial
 
 from armodal.hil_sim.makers.arms import ARMS, WRISTS
 from armodal.hil_sim.makers.case import SIZES, CaseSpec
-from armodal.hil_sim.makers.making import effects_of, wrists_of
+from armodal.hil_sim.makers.making import arms_of, effects_of, wrists_of
 from armodal.hil_sim.streams import stream
 
 __all__ = ["draw_cases"]
@@ -35,7 +35,7 @@ def draw_cases(maker: str, seed: int, *, nulls: int, effects: int) -> tuple[Case
         wanted.append(((), "clear", arm, wrist, i))
     for i in range(effects):
         name = names[i % len(names)]
-        ways = list(itertools.product(SIZES, ARMS, wrists_of(maker, name)))
+        ways = list(itertools.product(SIZES, arms_of(maker, name), wrists_of(maker, name)))
         order = streams("order", name).permutation(len(ways))
         n = i // len(names)
         wanted.append(((name,), *ways[order[n % len(ways)]], n))

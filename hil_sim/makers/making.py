@@ -11,7 +11,7 @@ from armodal.hil_sim.makers.arms import ARMS, WRISTS, arm_table
 from armodal.hil_sim.makers.case import SIZES, Case, CaseSpec
 from armodal.protocols.errors import PlantError
 
-__all__ = ["MAKERS", "case_of", "effects_of", "make_case", "wrists_of"]
+__all__ = ["MAKERS", "arms_of", "case_of", "effects_of", "make_case", "wrists_of"]
 
 _HERE = Path(__file__).parent
 MAKERS = tuple(sorted(m.name for m in iter_modules([str(_HERE)]) if m.ispkg and m.name != "arms"))
@@ -86,6 +86,12 @@ def effects_of(maker: str) -> tuple[str, ...]:
         If there is no such maker, or a package it needs is not installed.
     """
     return tuple(_part(maker, "maker").EFFECTS)
+
+
+def arms_of(maker: str, effect: str) -> tuple[str, ...]:
+    """Return the arms in which a maker's effect has a place."""
+    arms: tuple[str, ...] = getattr(_part(maker, "maker").EFFECTS[effect], "ARMS", ARMS)
+    return arms
 
 
 def wrists_of(maker: str, effect: str) -> tuple[str, ...]:

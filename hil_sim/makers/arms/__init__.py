@@ -1,9 +1,11 @@
 """Tables of arms, one a module, found by their module's name."""
 
+from collections.abc import Callable
+
 from armodal.hil_sim.makers.arm_table import ArmTable
 from armodal.hil_sim.makers.listing import modules_of
 
-__all__ = ["ARMS", "WRISTS", "arm_table"]
+__all__ = ["ARMS", "WRISTS", "arm_table", "arms_with"]
 
 WRISTS = ("elastic", "rigid")
 _TABLES: dict[str, ArmTable] = {
@@ -21,3 +23,8 @@ def arm_table(name: str) -> ArmTable:
         If no module has an arm of that name.
     """
     return _TABLES[name]
+
+
+def arms_with(links: Callable[[ArmTable], tuple[str, ...]]) -> tuple[str, ...]:
+    """Return the arms that have such links."""
+    return tuple(name for name, table in _TABLES.items() if links(table))

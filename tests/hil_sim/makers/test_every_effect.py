@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from armodal.hil_sim.makers.arms import ARMS, arm_table
+from armodal.hil_sim.makers.draw import draw_cases
 from armodal.hil_sim.makers.frame.everyday import everyday
 from armodal.hil_sim.makers.frame.kit import Kit
 from armodal.hil_sim.makers.frame.maker import EFFECTS as FRAME_EFFECTS
 from armodal.hil_sim.makers.frame.modal import modal
 from armodal.hil_sim.makers.frame.standing import stand
+from armodal.hil_sim.makers.making import arms_of
 from armodal.hil_sim.makers.mujoco.compiled import compiled
 from armodal.hil_sim.makers.mujoco.laboratory import true_angles
 from armodal.hil_sim.makers.mujoco.maker import EFFECTS as MUJOCO_EFFECTS
@@ -42,6 +44,17 @@ def test_links_that_bend_or_twist_are_longer_than_wide(arm):
             *MUJOCO_EFFECTS[kind].places(ordinary(table, "rigid", 3)),
         ]
         assert all(shells[place].slenderness > 1.0 for place in places)
+
+
+def test_links_twist_where_no_joint_turns_about_their_line():
+    """The 7-axis arms roll and pitch in turn: each long link's line is a joint's axis."""
+    for maker in ("frame", "mujoco"):
+        assert set(arms_of(maker, "link_torsion")) == {"kr210", "lrmate200id", "ur10e"}
+        assert arms_of(maker, "link_bending") == ARMS
+        cases = draw_cases(maker, 5, nulls=0, effects=200)
+        drawn = {case.arm for case in cases if case.kinds == ("link_torsion",)}
+        assert drawn == {"kr210", "lrmate200id", "ur10e"}
+    assert arm_table("kr210").twisting_links == ("link_arm",)  # its arm_front turns about A4
 
 
 @pytest.mark.parametrize("arm", EVERY_ARM)

@@ -2,15 +2,17 @@
 
 from dataclasses import replace
 
+from armodal.hil_sim.makers.arms import arms_with
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 
 RANGE = (1.5, 2000.0)  # times as soft as the section
+ARMS = arms_with(lambda table: table.twisting_links)
 
 
 def where(drawn: Everyday) -> list[str]:
-    """One of the long links."""
-    return list(drawn.table.long_links)
+    """One of the long links that turn at neither end about their own line."""
+    return list(drawn.table.twisting_links)
 
 
 def hide(kit: Kit, place: str, size: float) -> Hidden:

@@ -1,5 +1,6 @@
 """A link that twists: its outer half turns about its shell's line."""
 
+from armodal.hil_sim.makers.arms import arms_with
 from armodal.hil_sim.makers.mujoco.machine import Axis
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
@@ -7,11 +8,12 @@ from armodal.hil_sim.makers.mujoco.split import outer_half
 
 SPAN = (0.005, 3.0)  # compliance of the twist over the arm's
 LOSS_TIME_S = (1e-5, 2e-4)
+ARMS = arms_with(lambda table: table.twisting_links)
 
 
 def places(drawn: Ordinary) -> list[str]:
-    """One of the long links."""
-    return list(drawn.table.long_links)
+    """One of the long links that turn at neither end about their own line."""
+    return list(drawn.table.twisting_links)
 
 
 def put(rig: Rig, place: str, size: float) -> Parameters:
