@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.gap.model.assembly import Assembly, spatial_inertia
+from armodal.analyzer.gap.model.effect import Builder, EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across, skew
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.screws import line_sense
+from armodal.protocols.arrays import frozen_array
 
 __all__ = ["LineInLink", "described_line"]
 
 Array = npt.NDArray[np.float64]
 
+Body = Callable[[Assembly, Mapping[str, float]], None]
+
+_STEP = 1e-6  # for slopes
 _TILT_STD, _SHIFT_STD_M = 1.0, 0.15
 _FREEDOMS = (
     ("tilt a", "", _TILT_STD),
@@ -61,11 +68,115 @@ class LineInLink:
         slopes = np.block([[turned, shifted], [du, np.zeros((3, 2))]])
         return np.concatenate([skew(p) @ u, u]), slopes.T
 
+    def travel(
+        self, assembly: Assembly, values: Mapping[str, float], *, beside: float
+    ) -> tuple[Array, dict[str, Array]]:
+        """Motion along the line of the link's points on it by the coordinates so far, (n + 1,).
+
+        The last is by a coordinate that is to come, `beside` a unit.
+
+        Returns
+        -------
+        The row, and by parameter what it changes a unit: its own moves, and whatever moves
+        coordinates otherwise.
+        """
+        turn, slopes = self.turn(values)
+        # Point p moves by v + w x p: along u that is (u, p x u) . (v, w), the halves exchanged.
+        rows = np.vstack([turn, slopes])[:, [3, 4, 5, 0, 1, 2]]
+        rows = rows @ assembly.geometry.link_jacobian[self.link]
+        row, *moved = np.pad(rows @ np.stack(assembly.columns, axis=1), ((0, 0), (0, 1)))
+        row[-1] = beside
+        found = dict(zip(self.moves, moved, strict=True))
+        for name, ways in assembly.motion_of.items():
+            found[name] = np.zeros_like(row)
+            for at, way in ways:
+                found[name][at] += rows[0] @ way
+        return row, found
+
+    def body(self, mass_kg: str) -> tuple[tuple[Parameter, ...], Body]:
+        """Return what adds to a posture a mass on the line that moves with the link across it.
+
+        Parameters
+        ----------
+        mass_kg
+            Name of the mass, all of whose weight hangs on the link.
+
+        Returns
+        -------
+        The part of it that moves across with the link and its place along the line, from the
+        nearest point; and what adds it.
+        """
+        carried, along = (f"{self._of} {what} {self.name}" for what in ("across", "along"))
+        parameters = (
+            Parameter(name=carried, unit="", mean=0.5, std=0.5, low=0.0, high=1.0),
+            Parameter(name=along, unit="m", mean=0.0, std=_SHIFT_STD_M),
+        )
+        names = (mass_kg, carried, along, *self.moves)
+
+        def inertia(by: Array) -> tuple[Array, Array]:
+            u, p = self._at(by[3:].tolist())
+            q, w = p + by[2] * u, np.concatenate([u, np.cross(p, u)])
+            point = spatial_inertia(1.0, q, np.zeros((3, 3))) - np.outer(w, w)
+            return by[0] * by[1] * point, by[0] * np.append(1.0, q)
+
+        @lru_cache(maxsize=2)  # for all postures
+        def all_of_it(*by: float) -> tuple[Array, Array, Array]:
+            here, moments = inertia(np.array(by))
+            beside = [inertia(by + _STEP * way)[0] for way in np.eye(len(by))]
+            slopes = (np.array(beside) - here) / _STEP
+            return (
+                frozen_array(here, np.float64),
+                frozen_array(moments, np.float64),
+                frozen_array(slopes, np.float64),
+            )
+
+        def add(assembly: Assembly, values: Mapping[str, float]) -> None:
+            here, moments, slopes = all_of_it(*(values[name] for name in names))
+            assembly.add_inertia(self.link, here, moments)
+            for name, slope in zip(names, slopes, strict=True):
+                assembly.inertia_of[name] = self.link, slope
+
+        return parameters, add
+
     def describe(self, values: Mapping[str, float]) -> dict[str, object]:
         """Return where it is, in the arm file's words and the sense that every line has."""
         u, p = self.at(values)
         u = line_sense(u)
         return {"link": self.name, "direction": u.tolist(), "point_m": p.tolist()}
+
+    def instance(
+        self,
+        words: EffectWords,
+        own: Sequence[Parameter],
+        build: Builder,
+        *,
+        material: float,
+        is_also: tuple[str, str, float],
+    ) -> Instance:
+        """Return an effect along the line; the first of its own parameters is its size.
+
+        Of `is_also` the first is the effect of that link that it also is, where the second, a
+        parameter, is beyond the third.
+        """
+        size, *others = (p.name for p in own)
+        name, by, beyond = is_also
+
+        def is_it(values: Mapping[str, float], other: Instance) -> bool:
+            return other.key == (name, self.name) and values[by] > beyond
+
+        return Instance(
+            effect=words,
+            place=self.name,
+            parameters=(*own, *self.parameters),
+            builder=build,
+            describe=self.describe,
+            is_also=is_it,
+            begins_at=self.moves,
+            size=size,
+            shapes=(*others, *self.moves),
+            material=material,
+            last=True,
+        )
 
     def _at(self, moves: Sequence[float]) -> tuple[Array, Array]:
         u = self._direction + self._sides @ np.array(moves[:2])

@@ -260,6 +260,16 @@ class Postures:
         right = right[:, :, :, None]
         return np.stack([0.5 * (left[a] * right[b] + left[b] * right[a]) for a, b in pairs])
 
+    def link_columns(
+        self,
+        hypothesis: Hypothesis,
+        values: Mapping[str, float],
+        link: int,
+        pairs: Sequence[tuple[int, int]],
+    ) -> ComplexArray:
+        """Derivatives (n_pairs, P, m, 3, L) by what resists motion of a link, `by_link_mass`."""
+        return self._solved(hypothesis, values).found.by_link_mass(link, pairs)
+
     def damping_columns(
         self,
         hypothesis: Hypothesis,

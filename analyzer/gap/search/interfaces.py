@@ -27,7 +27,7 @@ from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.weighed_sums import summed
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["Line", "lines_of_interfaces"]
+__all__ = ["PAIRS", "Line", "best_lines", "left_after", "lines_of_interfaces"]
 
 Array = npt.NDArray[np.float64]
 
@@ -35,17 +35,18 @@ _KEPT = 2  # lines of each link's interface
 _APART = 0.7  # cosine of two lines' directions, below which they are
 _N_DIRECTIONS = 60
 _LEVERS_M = (0.1, 0.25)  # and none
-_PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
+PAIRS = [(a, b) for a in range(6) for b in range(a, 6)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Line:
-    """A line of a link's frame about which a turn would explain much."""
+    """A line of a link's frame about which a turn, or along which a pull, would explain much."""
 
     link: int
     direction: Array  # (3,)
     point_m: Array  # (3,) nearest to the link's origin
     gain: float  # of cost, linear
+    size: float  # that a linear look makes of it, of its prior's deviation
 
 
 def lines_of_interfaces(stage: Stage, fit: Fit, *, exclude: Sequence[str] = ()) -> list[Line]:
@@ -57,7 +58,7 @@ def lines_of_interfaces(stage: Stage, fit: Fit, *, exclude: Sequence[str] = ()) 
     links = [i for i, joint in enumerate(ordinary.arm.joints) if joint.link.name not in exclude]
     found: list[Line] = []
     for link, (gram, slope) in zip(links, _interface_products(stage, fit, links), strict=True):
-        found += _best_lines(gram, slope, ordinary, link)
+        found += best_lines(gram, slope, ordinary, link)
     return sorted(found, key=lambda line: -line.gain)
 
 
@@ -90,7 +91,7 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     stds = [compliance_parameter("", ordinary, link).std for link in links]
     probes = [_probe(ordinary, link) for link in links]
     n = len(fit.space)
-    size = n + len(links) * len(_PAIRS)
+    size = n + len(links) * len(PAIRS)
     # All at once: they are locked, so that none changes what another answers.
     instances = (*fit.hypothesis.instances, *(probe for probe, _ in probes))
     wide = replace(fit.hypothesis, instances=instances)
@@ -99,7 +100,7 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
     for pairs, together in stage.once(fit.hypothesis, range(len(stage.lines))):
         y, columns = together.columns(fit.hypothesis, fit.space, fit.values)
         rows = [
-            std * together.interface_columns(wide, values, names, _PAIRS)
+            std * together.interface_columns(wide, values, names, PAIRS)
             for (_, names), std in zip(probes, stds, strict=True)
         ]
         own_lines, at = zip(*pairs, strict=True)
@@ -107,17 +108,17 @@ def _interface_products(stage: Stage, fit: Fit, links: Sequence[int]) -> list[tu
         part, _ = summed(weighings, y, columns.beside(np.concatenate(rows)), at)
         gradient += part.gradient
         curvature += part.curvature
-    return _left_after(fit, gradient, curvature)
+    return left_after(fit, gradient, curvature)
 
 
-def _left_after(fit: Fit, gradient: Array, curvature: Array) -> list[tuple[Array, Array]]:
+def left_after(fit: Fit, gradient: Array, curvature: Array) -> list[tuple[Array, Array]]:
     """Gram matrix (21, 21) and slope (21,) of each 21 columns after a fit's own have followed."""
     free = np.flatnonzero(fit.free)
     A = curvature[np.ix_(free, free)] + np.eye(len(free))
     left = gradient[free] + fit.u[free]
     found = []
-    for first in range(len(fit.space), len(gradient), len(_PAIRS)):
-        own = np.arange(first, first + len(_PAIRS))
+    for first in range(len(fit.space), len(gradient), len(PAIRS)):
+        own = np.arange(first, first + len(PAIRS))
         B = curvature[np.ix_(free, own)]
         solved = np.linalg.solve(A, np.column_stack([B, left]))
         gram = curvature[np.ix_(own, own)] - B.T @ solved[:, :-1]
@@ -125,9 +126,14 @@ def _left_after(fit: Fit, gradient: Array, curvature: Array) -> list[tuple[Array
     return found
 
 
-def _best_lines(gram: Array, slope: Array, ordinary: Ordinary, link: int) -> list[Line]:
-    """Lines by falling gain, each well apart from the better ones."""
-    q, lines = _lines_tried(tuple(ordinary.arm.joints[link].link.center_m.tolist()))
+def best_lines(
+    gram: Array, slope: Array, ordinary: Ordinary, link: int, *, travels: bool = False
+) -> list[Line]:
+    """Lines by falling gain, each well apart from the better ones.
+
+    `travels`: along them, not about them.
+    """
+    q, lines = _lines_tried(tuple(ordinary.arm.joints[link].link.center_m.tolist()), travels)
     g = q @ slope
     h = np.einsum("ki,ij,kj->k", q, gram, q) + 1.0
     gain = np.where(g < 0.0, 0.5 * g * g / h, 0.0)
@@ -143,13 +149,16 @@ def _best_lines(gram: Array, slope: Array, ordinary: Ordinary, link: int) -> lis
             direction=lines[i][0],
             point_m=lines[i][1],
             gain=float(gain[i]),
+            size=float(-g[i] / h[i]),
         )
         for i in chosen
     ]
 
 
 @lru_cache(maxsize=64)
-def _lines_tried(center: tuple[float, ...]) -> tuple[Array, list[tuple[Array, Array]]]:
+def _lines_tried(
+    center: tuple[float, ...], travels: bool
+) -> tuple[Array, list[tuple[Array, Array]]]:
     """Products (n_lines, 21) of lines' twists, and direction and nearest point of each.
 
     Through the link's origin and its centre (in its frame), and beside both.
@@ -160,9 +169,10 @@ def _lines_tried(center: tuple[float, ...]) -> tuple[Array, list[tuple[Array, Ar
     points = np.array([around + move for around in (np.zeros(3), np.array(center)) for move in off])
     points = (points - u * np.sum(u * points, axis=-1, keepdims=True)).swapaxes(0, 1)
     u = np.broadcast_to(u[:, None], points.shape)
-    t = np.concatenate([np.cross(points, u), u], axis=-1).reshape(-1, 6)
+    turn_and_lever = [np.cross(points, u), u]
+    t = np.concatenate(turn_and_lever[:: -1 if travels else 1], axis=-1).reshape(-1, 6)
     lines = list(zip(u.reshape(-1, 3), points.reshape(-1, 3), strict=True))
-    q = [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in _PAIRS]
+    q = [t[:, a] * t[:, b] * (1.0 if a == b else 2.0) for a, b in PAIRS]
     return frozen_array(np.stack(q, axis=1), np.float64), lines
 
 

@@ -7,7 +7,6 @@ from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.standing import Standing, middle_of
 from armodal.hil_sim.makers.frame.structure import Complex
 
-OUTSIDE = True  # a gap analysis has no name for it
 RANGE = (0.0004, 0.2)  # of the moving mass
 OWN_HZ = (8.0, 60.0)
 LOSS = (0.02, 0.2)  # loss factor of its spring at its frequency

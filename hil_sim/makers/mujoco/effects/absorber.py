@@ -8,7 +8,6 @@ from armodal.hil_sim.makers.mujoco.ordinary import Ordinary
 from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 from armodal.hil_sim.makers.shell_points import along
 
-OUTSIDE = True  # a gap analysis has no name for it
 SPAN = (0.0005, 0.15)  # of the arm's mass
 OWN_HZ = (9.0, 45.0)
 DAMPING_RATIO = (0.01, 0.08)
