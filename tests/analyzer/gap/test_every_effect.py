@@ -10,7 +10,7 @@ from support.gap_results import made_result
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import added_effects, instances_of_file
-from armodal.analyzer.gap.effects import sensor_axes, wrong_point
+from armodal.analyzer.gap.effects import absorber, sensor_axes, wrong_point
 from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -98,6 +98,23 @@ def test_shapes_do_nothing_while_there_is_nothing(ordinary, lines, posed):
         }
         one, two = (posed.values(hypothesis, lines, v) for v in (values, other))
         np.testing.assert_allclose(one, two, rtol=1e-9, err_msg=instance.title)
+
+
+def test_what_is_built_later_brings_coordinates_of_its_own(ordinary, lines, posed):
+    """Derivatives by what stretched before, where two masses swing and a joint's load damps."""
+    damped = next(i for i in all_instances(ordinary) if i.effect.name == "load_damping")
+    hung = [absorber.at_line(ordinary, link, np.eye(3)[1], np.zeros(3)) for link in (2, 4)]
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(damped, *hung))
+    space, values = hypothesis.space(), off_zero(hypothesis, np.random.default_rng(3))
+    _, dy = posed.derivatives(hypothesis, lines, space, values)
+    for name in (damped.size, *(i.size for i in hung), *(s for i in hung for s in i.shapes)):
+        h = 1e-4 * space.std[space.index[name]]
+        more, less = (
+            posed.values(hypothesis, lines, values | {name: values[name] + step})
+            for step in (h, -h)
+        )
+        want = (more - less) / 2e-4
+        assert np.linalg.norm(dy[space.index[name]] - want) < ALLOWED * np.linalg.norm(want), name
 
 
 def off_zero(hypothesis, rng):
