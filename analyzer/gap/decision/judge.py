@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
+from itertools import permutations, zip_longest
 
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
 from armodal.analyzer.gap.decision.mounting_share import is_shared
@@ -161,10 +161,9 @@ def one_mechanism(
                 found |= {joint.name} | ({beyond.name} if beyond else set())
         return found
 
-    for one in instances:
-        for other in instances:
-            if other.effect.name in one.effect.one_with and places(one) & places(other):
-                return one, other
+    for one, other in permutations(instances, 2):
+        if other.effect.name in one.effect.one_with and places(one) & places(other):
+            return one, other
     return None
 
 

@@ -21,6 +21,8 @@ WORDS = EffectWords(
     confused_with=("payload", "link_axis"),
     told_by="a sensor on what may swing; the same posture with it held",
     remedy="fasten covers, boxes and hoses on that link, or take them off",
+    one_with=("absorber",),
+    one_such_as="a hose or a box that swings more ways than one",
 )
 _STD, _MATERIAL, _LEAST_KG = 0.05, 0.02, 1e-6  # of the arm, of that, kg; no source: assumed
 _LN_HZ, _LN_HZ_STD = np.log(20.0), 0.7  # arms' own modes; beyond two deviations it is a payload
@@ -43,10 +45,9 @@ def at_line(ordinary: Ordinary, link: int, direction: Array, point_m: Array) -> 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         carried(assembly, values)
         m, soft = max(values[mass], _LEAST_KG), (2.0 * np.pi * np.exp(values[ln_hz])) ** -2.0
-        row, turns = line.travel(assembly, values, beside=1.0 / m)
-        turns[mass] = -np.eye(len(row))[-1] / m**2
-        still = 0.0 * assembly.columns[0]
-        at = assembly.add_compliance(still, m, values[loss], mass, loss, part=soft)
+        row, turns = line.travel(assembly, values, mass, m)
+        o = 0.0 * assembly.columns[0]
+        at = assembly.add_compliance(o, m, values[loss], mass, loss, part=soft)
         assembly.compliance_of[ln_hz] = [(at, -2.0 * m * soft)]
         assembly.add_stretch("mass", row, m, parameter=mass, slope=1.0, turns=turns)
 

@@ -69,24 +69,26 @@ class LineInLink:
         return np.concatenate([skew(p) @ u, u]), slopes.T
 
     def travel(
-        self, assembly: Assembly, values: Mapping[str, float], *, beside: float
+        self, assembly: Assembly, values: Mapping[str, float], mass: str, mass_kg: float
     ) -> tuple[Array, dict[str, Array]]:
-        """Motion along the line of the link's points on it by the coordinates so far, (n + 1,).
+        """Motion along the line of a mass that hangs on it, by the coordinates so far, (n + 1,).
 
-        The last is by a coordinate that is to come, `beside` a unit.
+        That of the link's points on it, and of a coordinate to come, mass times stretch. `mass`
+        names the parameter.
 
         Returns
         -------
-        The row, and by parameter what it changes a unit: its own moves, and whatever moves
-        coordinates otherwise.
+        The row, and by parameter what it changes a unit: the mass, the line's own moves, and
+        whatever moves coordinates otherwise.
         """
         turn, slopes = self.turn(values)
         # Point p moves by v + w x p: along u that is (u, p x u) . (v, w), the halves exchanged.
         rows = np.vstack([turn, slopes])[:, [3, 4, 5, 0, 1, 2]]
         rows = rows @ assembly.geometry.link_jacobian[self.link]
         row, *moved = np.pad(rows @ np.stack(assembly.columns, axis=1), ((0, 0), (0, 1)))
-        row[-1] = beside
+        row[-1] = 1.0 / mass_kg
         found = dict(zip(self.moves, moved, strict=True))
+        found[mass] = -np.eye(row.size)[-1] / mass_kg**2
         for name, ways in assembly.motion_of.items():
             found[name] = np.zeros_like(row)
             for at, way in ways:
