@@ -151,7 +151,8 @@ def one_mechanism(
 ) -> tuple[Instance, Instance] | None:
     """Two effects at one joint that together are what one unknown mechanism would look like.
 
-    What is inside a link is at both joints of it.
+    What is inside a link is at both joints of it. Two of one effect that is `one_with` itself are
+    one wherever they stand: it hangs from link to link.
     """
 
     def places(instance: Instance) -> set[str]:
@@ -162,7 +163,8 @@ def one_mechanism(
         return found
 
     for one, other in permutations(instances, 2):
-        if other.effect.name in one.effect.one_with and places(one) & places(other):
+        near = one.effect is other.effect or places(one) & places(other)
+        if near and other.effect.name in one.effect.one_with:
             return one, other
     return None
 

@@ -39,7 +39,8 @@ class EffectWords:
     signature: str
     confused_with: tuple[str, ...] = ()  # names of effects
     contains: tuple[str, ...] = ()  # what it is without its own size, at the same place
-    # With one of these at one of the same joints it is a single mechanism that nobody listed.
+    # With one of these at one of the same joints, or with its own like anywhere, it is a single
+    # mechanism that nobody listed.
     one_with: tuple[str, ...] = ()
     one_such_as: str = ""  # what both together may be instead
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
