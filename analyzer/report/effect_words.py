@@ -93,8 +93,11 @@ def mechanics(
     if axis is not None:
         axis += _deviations([parameters[name] for name in moves if name in parameters])
     stiff = [n for n, found in parameters.items() if found.unit in _INVERSE and found.low > 0.0]
+    # Of what gives way about an axis, stiffness and damping say all; what swings has more to tell.
+    swings = size in parameters and parameters[size].unit not in _INVERSE
+    hidden = set(moves) if swings else {*parameters} - {size}
     for name, found in parameters.items():
-        if axis is None or name == size:
+        if axis is None or name not in hidden:
             told = name
             if name in stiff:
                 told = "k" if len(stiff) == 1 or axis else name.replace("compliance ", "k ")
@@ -194,12 +197,16 @@ def axis_of_effect(effect: EffectFound) -> MarkedAxis | None:
 
 
 def _as_factor(name: str, found: Interval) -> tuple[str, Interval]:
-    """A logarithm as the factor it is of, its deviation to first order; anything else as it is."""
+    """A logarithm as what it is of, its deviation to first order; anything else as it is.
+
+    Of what has no unit it is a factor.
+    """
     words = name.split()
     if _LOGARITHM not in words:
         return name, found
     value, low, high = (float(np.exp(x)) for x in (found.value, found.low, found.high))
-    own = Interval(unit=_TIMES, value=value, std=value * found.std, low=low, high=high)
+    unit = found.unit.removeprefix(f"{_LOGARITHM} ") or _TIMES
+    own = Interval(unit=unit, value=value, std=value * found.std, low=low, high=high)
     return " ".join(word for word in words if word != _LOGARITHM), own
 
 

@@ -62,6 +62,8 @@ def _proposed(ordinary: Ordinary) -> Iterator[Instance]:
     yield wrong_point.exchanged(ordinary, there, other)
     middle = ordinary.arm.joints[_LONG_LINK].link.center_m
     yield link_axis.at_axis(ordinary, _LONG_LINK, np.array([0.0, 1.0, 0.0]), middle)
+    for at_line in hooks("at_line"):
+        yield at_line(ordinary, _LONG_LINK, np.array([0.0, 1.0, 0.0]), middle)
     for i in ordinary.elastic:
         for laws in hooks("laws"):
             yield from laws(ordinary, ordinary.arm.joints[i].name, _SWING_RAD, _RATE_RAD_S)

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from armodal.hil_sim.effects.effect import BaseEffect, Weight
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, about, plain, unit, within
+from armodal.hil_sim.effects.hung import Hung
 from armodal.hil_sim.linear import LinearTerms
-from armodal.hil_sim.truth import NotNegative, Positive, Vector
+from armodal.hil_sim.truth import NotNegative, Vector
 
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
@@ -18,35 +19,31 @@ SINCE, SIZED = 3, True  # version of the library
 PART, HERTZ, RATIO = 0.03, (7.0, 55.0), (0.015, 0.12)  # part of the arm's mass
 
 
-class Absorber(BaseEffect):
-    """It slides along `direction`; across that it moves with the link, which carries its weight."""
+class Absorber(Hung):
+    """It slides along `direction`; across that a part of it moves with the link."""
 
     kind: Literal["absorber"]
-    link: str
-    position_m: Vector
     direction: Vector
-    mass_kg: Positive
-    frequency_hz: Positive  # of the mass on its spring, link at rest
-    damping_ratio: NotNegative
-
-    def coordinates(self) -> tuple[str, ...]:
-        """Motion of the mass along its direction, against the floor."""
-        return (f"absorber on {self.link}",)
-
-    def weights(self) -> tuple[Weight, ...]:
-        """The whole of it hangs on the link."""
-        return (Weight(link=self.link, position_m=np.array(self.position_m), mass_kg=self.mass_kg),)
+    across: NotNegative = 1.0
 
     def act(self, terms: LinearTerms) -> None:
         """Add the mass, its spring and its damper."""
-        w, own = 2.0 * np.pi * self.frequency_hz, terms.index(self.coordinates()[0])
-        R = terms.at.R[terms.bodies[terms.carrier[self.link]]]
-        u = R @ np.array(self.direction) / np.linalg.norm(self.direction)
+        own = terms.index(self.coordinates()[0])
+        u = self.towards(terms, np.array(self.direction))
         v = terms.motion_of(self.link, np.array(self.position_m))[:3]
-        terms.M = terms.M + self.mass_kg * v.T @ (np.eye(3) - np.outer(u, u)) @ v
+        terms.M = terms.M + self.across * self.mass_kg * v.T @ (np.eye(3) - np.outer(u, u)) @ v
         terms.M[own, own] += self.mass_kg
-        row = np.eye(len(terms.labels))[own] - u @ v
-        terms.spring(row[None], self.mass_kg * w**2, 2.0 * self.damping_ratio * self.mass_kg * w)
+        self.span(terms, (np.eye(len(terms.labels))[own] - u @ v)[None])
+
+
+def _of_file(own: FileEffect) -> Twin:
+    at, u = own.line()
+    keys = ("mass", "ln_frequency", "loss", "part_across", "place_along")
+    mass, ln_hz, loss_s, across, along = (own.sizes[f"absorber_{key}"] for key in keys)
+    hz = float(np.exp(ln_hz))
+    told = {"mass_kg": mass, "frequency_hz": hz, "damping_ratio": np.pi * hz * loss_s}
+    where = {"position_m": plain(at + along * u), "direction": plain(u), "across": across}
+    return Twin(tables=[{"kind": "absorber", "link": own.effect.place, **where, **told}])
 
 
 def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
@@ -56,5 +53,8 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     hz, ratio = within(rng, HERTZ), within(rng, RATIO)
     told = {"mass_kg": mass, "frequency_hz": hz, "damping_ratio": ratio}
     where = {"position_m": plain(places.somewhere(rng, link)), "direction": plain(unit(rng))}
-    table = {"kind": "absorber", "link": link, **where, **told}
-    return Hidden(tables=[table], name="absorber", place=link, parameters=told, size=mass)
+    tables = [{"kind": "absorber", "link": link, **where, **told}]
+    return Hidden(tables=tables, name="absorber", place=link, parameters=told, size=mass)
+
+
+OF_FILE = {"absorber": _of_file}

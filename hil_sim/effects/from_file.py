@@ -67,6 +67,13 @@ class FileEffect:
         own = np.array([self.sizes.get(f"{key}_{axis}", 0.0) for axis in "xyz"])
         return np.asarray(self.turned[of] @ own)
 
+    def line(self) -> tuple[Array, Array]:
+        """Nearest point and unit direction (3,) of a line of a link, in the plant's frame."""
+        told, R = self.effect.description, self.turned[str(self.effect.description["link"])]
+        u, at = (R @ three(told[key]) for key in ("direction", "point_m"))
+        u = u / np.linalg.norm(u)
+        return at - (at @ u) * u, np.asarray(u)
+
     def spring(self, compliance: str, loss: str | None = None) -> dict[str, float]:
         """Keys of a turning spring: one over the size, and its damping where a size tells it."""
         k = 1.0 / self.sizes[compliance]

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
-from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
+from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
@@ -55,12 +55,13 @@ def _of_file(own: FileEffect) -> Twin:
     told = own.effect.description
     link = str(told["link"])
     before = str(told.get("points_before", "")).split()
+    point, direction = own.line()
     table = {
         "kind": "link_axis",
         "link": link,
         "name": f"axis of the file in {link}",
-        "direction": tuple(own.turned[link] @ three(told["direction"])),
-        "point_m": tuple(own.turned[link] @ three(told["point_m"])),
+        "direction": tuple(direction),
+        "point_m": tuple(point),
         "mass_before": own.sizes.get("axis_mass_before", 0.0) if before else 0.0,
         "points_before": tuple(before),
     }

@@ -32,6 +32,7 @@ SAME = (1e-5, 1e-4)  # the same equations, by other recursions
 LOSS_UNTOLD = (1e-3, None)
 AGREES = {
     "link_axis": SAME,
+    "absorber": SAME,
     "bearing": (5e-3, None),  # beside what no file tells, Maxwell elements for its loss factor
     "payload": SAME,
     "released_joint": LOSS_UNTOLD,
@@ -53,8 +54,17 @@ KNOWN = {name for module in modules_with("OF_FILE").values() for name in module.
 COMPARED = sorted(KNOWN - OF_THE_TEST - {"base", *names_of_laws()})
 
 
+def swinging(place):
+    """A mass of which a part moves across with its link, beside its line's nearest point."""
+    told = {"mass": 4.0, "ln_frequency": 2.9, "loss": 3e-3, "part_across": 0.6, "place_along": 0.07}
+    where = {"link": place, "direction": (0.6, 0.0, 0.8), "point_m": (0.1, 0.05, 0.02)}
+    values = {f"absorber_{key}": value for key, value in told.items()}
+    return added("absorber", place, where, std=0.0, **values)
+
+
 def exactly(name, place=None):
-    return axis("shoulder", std=0.0) if name == "link_axis" else any_of(ARM, name, place)
+    made = {"link_axis": lambda: axis("shoulder", std=0.0), "absorber": lambda: swinging("forearm")}
+    return made[name]() if name in made else any_of(ARM, name, place)
 
 
 def pulling(name):
@@ -105,7 +115,7 @@ def test_every_effect_of_the_library_is_in_the_simulated_arm_or_refused_by_name(
     every = {instance.effect for instance in all_instances(ordinary)}
     of_the_test = {effect.name for effect in every if effect.of_the_test}
     assert of_the_test <= OF_THE_TEST
-    of_the_arm = {effect.name for effect in every if not effect.of_the_test} | {"link_axis"}
+    of_the_arm = {effect.name for effect in every if not effect.of_the_test} | {"link_axis", "absorber"}
     assert {*AGREES, "base"} <= of_the_arm
     without = sorted((of_the_arm | set(names_of_laws())) - KNOWN)
     unread = added("no_such_effect", "joint_1")

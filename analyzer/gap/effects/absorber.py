@@ -13,6 +13,8 @@ from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.search.hung import pulls_along_lines
 from armodal.analyzer.gap.search.scan import Candidate
 
+__all__ = ["WORDS", "at_line", "linear_candidates"]
+
 WORDS = EffectWords(
     name="absorber",
     title="Something swings on a link",
@@ -25,19 +27,18 @@ WORDS = EffectWords(
     one_such_as="a hose or a box that swings more ways than one",
 )
 _STD, _MATERIAL, _LEAST_KG = 0.05, 0.02, 1e-6  # of the arm, of that, kg; no source: assumed
-_LN_HZ, _LN_HZ_STD = np.log(20.0), 0.7  # arms' own modes; beyond two deviations it is a payload
-_LOSS_S = 1e-3  # rubber and hoses: loss factors of 0.1 at 20 Hz (Nashif, Vibration Damping, 1985)
+_LN_HZ, _LN_HZ_STD, _LOSS_S = np.log(20.0), 0.7, 1e-3  # beyond two deviations it is a payload
 
 
 def at_line(ordinary: Ordinary, link: int, direction: Array, point_m: Array) -> Instance:
     """Return one that swings near a line of a link's frame; on a stiff spring it is a payload."""
     line = LineInLink(ordinary, link, direction, point_m, of="absorber")
-    mass, ln_hz, loss = (f"absorber {own} {line.name}" for own in ("mass", "ln Hz", "loss"))
+    mass, ln_hz, loss = (f"absorber {own} {line.name}" for own in ("mass", "ln frequency", "loss"))
     body, carried = line.body(mass)
     std = _STD * sum(joint.link.mass_kg for joint in ordinary.arm.joints)
     own = (
         Parameter(name=mass, unit="kg", mean=0.0, std=std, low=0.0),
-        Parameter(name=ln_hz, unit="", mean=float(_LN_HZ), std=_LN_HZ_STD),
+        Parameter(name=ln_hz, unit="ln Hz", mean=float(_LN_HZ), std=_LN_HZ_STD),
         Parameter(name=loss, unit="s", mean=_LOSS_S, std=_LOSS_S, low=0.0),
         *body,
     )
@@ -46,8 +47,7 @@ def at_line(ordinary: Ordinary, link: int, direction: Array, point_m: Array) -> 
         carried(assembly, values)
         m, soft = max(values[mass], _LEAST_KG), (2.0 * np.pi * np.exp(values[ln_hz])) ** -2.0
         row, turns = line.travel(assembly, values, mass, m)
-        o = 0.0 * assembly.columns[0]
-        at = assembly.add_compliance(o, m, values[loss], mass, loss, part=soft)
+        at = assembly.add_compliance(assembly.still, m, values[loss], mass, loss, part=soft)
         assembly.compliance_of[ln_hz] = [(at, -2.0 * m * soft)]
         assembly.add_stretch("mass", row, m, parameter=mass, slope=1.0, turns=turns)
 

@@ -332,9 +332,14 @@ class Assembly:
             row[self.stretched_by[joint]] = -1.0
         return row
 
+    @property
+    def still(self) -> Array:
+        """The superset motion of a coordinate that moves no part of the arm."""
+        return np.zeros(self.geometry.link_jacobian.shape[-1])
+
     def unit(self, column: int) -> Array:
         """Return the superset motion of one of its columns."""
-        result = np.zeros(self.geometry.link_jacobian.shape[-1])
+        result = self.still
         result[column] = 1.0
         return result
 

@@ -108,7 +108,9 @@ class LineInLink:
         The part of it that moves across with the link and its place along the line, from the
         nearest point; and what adds it.
         """
-        carried, along = (f"{self._of} {what} {self.name}" for what in ("across", "along"))
+        carried, along = (
+            f"{self._of} {what} {self.name}" for what in ("part across", "place along")
+        )
         parameters = (
             Parameter(name=carried, unit="", mean=0.5, std=0.5, low=0.0, high=1.0),
             Parameter(name=along, unit="m", mean=0.0, std=_SHIFT_STD_M),

@@ -51,6 +51,20 @@ def test_an_axis_is_told_by_stiffness_damping_direction_point_and_place():
     assert "tilt" not in told  # where the fit began is nobody's business
 
 
+def test_what_swings_along_a_line_is_told_with_its_frequency():
+    """ln 20 Hz ± 0.05: 20 ± 1 Hz; its turns and shifts are those of the line."""
+    mass = Interval(unit="kg", value=2.0, std=0.1, low=1.8, high=2.2)
+    ln_hz = Interval(
+        unit="ln Hz", value=np.log(20.0), std=0.05, low=np.log(18.0), high=np.log(22.0)
+    )
+    swings = {"mass": mass, "ln frequency": ln_hz, "loss": LOSS, "tilt": TILT}
+    told = words_of(swings, AXIS, size="mass", moves=("tilt",))
+    assert told["mass"] == "2.00 ± 0.10 kg (95 %: 1.80 to 2.20 kg)"
+    assert told["frequency"] == "20.0 ± 1.0 Hz (95 %: 18.0 to 22.0 Hz)"
+    assert "loss" in told
+    assert not {"tilt", "k", "c"} & told.keys()
+
+
 @pytest.mark.parametrize(
     ("title", "place", "words"),
     [
