@@ -12,9 +12,9 @@ from armodal.analyzer.gap.inference.fit import Fit
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.protocols.arm.records import AddedEffect, Arm, EffectParameter, Estimate
 
-__all__ = ["Filed", "arm_with", "as_correction", "filed"]
+__all__ = ["SCALED_UNITS", "Filed", "arm_with", "as_correction", "filed"]
 
-_SCALED_UNITS = ("rad/(N m)", "m/N", "s", "kg m²", "kg", "N s/m")
+SCALED_UNITS = ("rad/(N m)", "rad/(N m²)", "m/N", "s", "kg m²", "kg", "N s/m")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +53,7 @@ def filed(
         for instance in own.hypothesis.instances
         if (instance.effect.name, instance.place or "whole arm") in added
         for parameter in (*instance.parameters, *instance.relaxes.values())
-        if parameter.unit in _SCALED_UNITS and own.values[parameter.name] > 0.0
+        if parameter.unit in SCALED_UNITS and own.values[parameter.name] > 0.0
     )
     found = condense(as_correction(final), own, scaled, top_hz=top_hz)
     before = {joint.name: joint.stiffness for joint in arm.joints if joint.stiffness is not None}
