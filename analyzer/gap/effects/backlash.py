@@ -16,6 +16,8 @@ from armodal.analyzer.gap.model.space import Parameter
 __all__ = ["WORDS", "laws"]
 
 _LEAST = 0.02  # of the joint's spring
+_STD = 0.5  # likewise
+_LN_HALF, _LN_HALF_STD, _LN_HALF_LEAST, _LN_HALF_MOST = -1.0, 1.5, -5.0, 1.0  # of a middle swing
 
 WORDS = EffectWords(
     name="backlash",
@@ -61,8 +63,15 @@ def laws(
             swing_rad,
             rate_rad_s,
             parameters=(
-                Parameter(name=part, unit="", mean=0.0, std=0.5, low=0.0, high=1.0),
-                Parameter(name=half, unit="", mean=-1.0, std=1.5, low=-5.0, high=1.0),
+                Parameter(name=part, unit="", mean=0.0, std=_STD, low=0.0, high=1.0),
+                Parameter(
+                    name=half,
+                    unit="",
+                    mean=_LN_HALF,
+                    std=_LN_HALF_STD,
+                    low=_LN_HALF_LEAST,
+                    high=_LN_HALF_MOST,
+                ),
             ),
             element=element,
             material=_LEAST,

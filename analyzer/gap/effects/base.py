@@ -35,6 +35,7 @@ _HEIGHT_M, _HEIGHT_STD_M, _PIVOT_STD_M = 0.1, 0.1, 0.1
 # Of the moving mass. Pedestals weigh from a tenth of the arm to as much. No source: assumed.
 _MASS, _MASS_STD, _MASS_MOST = 0.3, 0.3, 2.0
 _ANY_TURN = np.pi / 2.0  # rad, either way: then the one line is the other
+_TURN_STD = _ANY_TURN / np.sqrt(3.0)
 # Radii of gyration of a disc over its radius, squared; the disc is the plate on its bolts.
 _DISC = np.diag([0.25, 0.25, 0.5])
 _UP = skew(np.array([0.0, 0.0, 1.0]))
@@ -117,7 +118,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     name=turn,
                     unit="rad",
                     mean=0.0,
-                    std=_ANY_TURN / np.sqrt(3.0),
+                    std=_TURN_STD,
                     low=-_ANY_TURN,
                     high=_ANY_TURN,
                 ),

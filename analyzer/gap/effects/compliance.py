@@ -13,6 +13,8 @@ from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["compliance_parameter", "loss_factor_parameter", "loss_parameter"]
 
+_WIDE = 3.0  # of the drive's compliance
+
 
 def compliance_parameter(
     name: str, ordinary: Ordinary, joint: int, *, length_m: float | None = None
@@ -21,7 +23,7 @@ def compliance_parameter(
 
     rad/(N m), or rad/(N m²).
     """
-    std, unit = 3.0 * ordinary.scale(joint), "rad/(N m)"
+    std, unit = _WIDE * ordinary.scale(joint), "rad/(N m)"
     if length_m is not None:
         std, unit = std / length_m, "rad/(N m²)"
     return Parameter(name=name, unit=unit, mean=0.0, std=std, low=0.0)

@@ -25,6 +25,7 @@ WORDS = EffectWords(
     remedy="look for belts, a parallelogram, cables or a common gear between the two joints",
 )
 _MATERIAL = 0.02  # of the geometric mean of both stiffnesses
+_STD, _LOSS_STD = 0.3, 1.0  # of that, and of the mean of both dampings
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -61,8 +62,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     effect=WORDS,
                     place=f"{a} and {b}",
                     parameters=(
-                        Parameter(name=stiff, unit="", mean=0.0, std=0.3),
-                        Parameter(name=lossy, unit="", mean=0.0, std=1.0),
+                        Parameter(name=stiff, unit="", mean=0.0, std=_STD),
+                        Parameter(name=lossy, unit="", mean=0.0, std=_LOSS_STD),
                     ),
                     builder=build,
                     size=stiff,

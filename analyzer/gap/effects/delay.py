@@ -19,12 +19,13 @@ WORDS = EffectWords(
     remedy="check filters and converter settings of both channels",
 )
 _MATERIAL_S = 1.0e-4
+_STD_S = 1e-3
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one delay."""
     del ordinary
-    wide = Parameter(name="delay", unit="s", mean=0.0, std=1e-3)
+    wide = Parameter(name="delay", unit="s", mean=0.0, std=_STD_S)
     return (
         Instance(
             effect=WORDS, place="", relaxes={"delay": wide}, size="delay", material=_MATERIAL_S

@@ -18,6 +18,7 @@ WORDS = EffectWords(
     remedy="master the joint again",
 )
 _MATERIAL_RAD = 0.012
+_STD_RAD = 0.15
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -29,7 +30,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             Instance(
                 effect=WORDS,
                 place=joint.name,
-                relaxes={name: Parameter(name=name, unit="rad", mean=0.0, std=0.15)},
+                relaxes={name: Parameter(name=name, unit="rad", mean=0.0, std=_STD_RAD)},
                 size=name,
                 material=_MATERIAL_RAD,
             )

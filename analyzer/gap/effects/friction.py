@@ -18,6 +18,10 @@ __all__ = ["WORDS", "laws"]
 # Of the moment a hit of the middle level puts on the joint: as a damper a ratio of 2 / pi of that,
 # a tenth of a drive's 2 %.
 _LEAST = 0.003
+_LIMIT_STD, _LIMIT_MOST = 0.5, 3.0  # of the same moment
+# Spring before it slips, over the joint's.
+_LN_BEFORE, _LN_BEFORE_STD, _LN_BEFORE_LEAST, _LN_BEFORE_MOST = np.log(5.0), 1.5, -1.5, np.log(1e3)
+_CREEP_STD, _CREEP_MOST = 300.0, 3000.0  # 1/s
 
 WORDS = EffectWords(
     name="friction",
@@ -59,13 +63,23 @@ def laws(
         rate_rad_s,
         parameters=(
             Parameter(
-                name=limit, unit="N m", mean=0.0, std=0.5 * moment, low=0.0, high=3.0 * moment
+                name=limit,
+                unit="N m",
+                mean=0.0,
+                std=_LIMIT_STD * moment,
+                low=0.0,
+                high=_LIMIT_MOST * moment,
             ),
             # At the upper end it gives way by a thousandth of the joint: a seal without presliding.
             Parameter(
-                name=before, unit="", mean=np.log(5.0), std=1.5, low=-1.5, high=np.log(1000.0)
+                name=before,
+                unit="",
+                mean=_LN_BEFORE,
+                std=_LN_BEFORE_STD,
+                low=_LN_BEFORE_LEAST,
+                high=_LN_BEFORE_MOST,
             ),
-            Parameter(name=creep, unit="1/s", mean=0.0, std=300.0, low=0.0, high=3000.0),
+            Parameter(name=creep, unit="1/s", mean=0.0, std=_CREEP_STD, low=0.0, high=_CREEP_MOST),
         ),
         element=element,
         material=_LEAST * moment,

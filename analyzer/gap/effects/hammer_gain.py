@@ -19,12 +19,13 @@ WORDS = EffectWords(
     remedy="calibrate hammer and accelerometer together on a known mass",
 )
 _MATERIAL = 0.03
+_WIDE = 0.4
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one hammer."""
     del ordinary
-    wide = Parameter(name="ln hammer", unit="", mean=0.0, std=0.4)
+    wide = Parameter(name="ln hammer", unit="", mean=0.0, std=_WIDE)
     return (
         Instance(
             effect=WORDS,

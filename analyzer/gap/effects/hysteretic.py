@@ -21,6 +21,7 @@ WORDS = EffectWords(
     remedy="use a loss factor for grease and seals instead of a dashpot",
 )
 _ANY_LN_C = 2.0
+_STD, _MOST, _START = 0.15, 0.6, 0.04
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -31,7 +32,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     believed = {p.name: p for p in ordinary.parameters() if p.name.startswith("ln c ")}
     gone = {name: replace(p, std=_ANY_LN_C) for name, p in believed.items()}
     names = [f"loss {ordinary.arm.joints[i].name}" for i in ordinary.elastic]
-    wide = Parameter(name="", unit="", mean=0.0, std=0.15, low=0.0, high=0.6, start=0.04)
+    wide = Parameter(name="", unit="", mean=0.0, std=_STD, low=0.0, high=_MOST, start=_START)
     return (
         Instance(
             effect=WORDS,

@@ -29,6 +29,7 @@ COVERED = ("gravity_compensator", "load_damping", "nonproportional")
 COVERED_HERE = ("servo",)
 
 _STD_K, _STD_C = 0.3, 0.5  # a unit of ln level; a dry friction that is all of c has -1
+_MOST_K, _MOST_C = 1.0, 2.0
 
 
 def any_change(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -55,8 +56,8 @@ def _change(words: EffectWords, joint: str) -> Instance:
         effect=words,
         place=joint,
         parameters=(
-            Parameter(name=by_k, unit="", mean=0.0, std=_STD_K, low=-1.0, high=1.0),
-            Parameter(name=by_c, unit="", mean=0.0, std=_STD_C, low=-2.0, high=2.0),
+            Parameter(name=by_k, unit="", mean=0.0, std=_STD_K, low=-_MOST_K, high=_MOST_K),
+            Parameter(name=by_c, unit="", mean=0.0, std=_STD_C, low=-_MOST_C, high=_MOST_C),
         ),
         builder=build,
         size=by_k,

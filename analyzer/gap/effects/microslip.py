@@ -19,7 +19,10 @@ _LEAST = 0.02  # of the joint's spring
 _SLIDERS = 8  # a staircase of a law that is smooth
 # Of the exponent 1 / (1 + chi) by which limits rise, chi that of their density. Loss by a power of
 # the swing, 3 + chi, was measured between 2 and 3 (D. J. Segalman, J. Appl. Mech. 72 (2005) 752).
-_SPREAD, _SPREAD_STD = 0.35, 0.35
+_SPREAD, _SPREAD_STD, _SPREAD_LEAST, _SPREAD_MOST = 0.35, 0.35, -1.0, 2.0
+_STD, _MOST = 0.5, 5.0  # of the joint's spring
+# Turn at which all have slipped, over a middle swing.
+_LN_REACH, _LN_REACH_STD, _LN_REACH_LEAST, _LN_REACH_MOST = -0.5, 1.2, -4.0, 2.0
 
 WORDS = EffectWords(
     name="microslip",
@@ -61,15 +64,22 @@ def laws(
         swing_rad,
         rate_rad_s,
         parameters=(
-            Parameter(name=part, unit="", mean=0.0, std=0.5, low=0.0, high=5.0),
-            Parameter(name=reach, unit="", mean=-0.5, std=1.2, low=-4.0, high=2.0),
+            Parameter(name=part, unit="", mean=0.0, std=_STD, low=0.0, high=_MOST),
+            Parameter(
+                name=reach,
+                unit="",
+                mean=_LN_REACH,
+                std=_LN_REACH_STD,
+                low=_LN_REACH_LEAST,
+                high=_LN_REACH_MOST,
+            ),
             Parameter(
                 name=spread,
                 unit="",
                 mean=_SPREAD,
                 std=_SPREAD_STD,
-                low=-1.0,
-                high=2.0,
+                low=_SPREAD_LEAST,
+                high=_SPREAD_MOST,
                 untold=0.0,
             ),
         ),

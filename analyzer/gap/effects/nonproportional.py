@@ -41,7 +41,7 @@ _MATERIAL = 0.1  # of a standard deviation
 _STD_M, _FLOOR_STD_M = 0.15, 0.3
 _FLOOR_M = (0.0, 0.0, 0.1)
 _SIZE = 5.0  # of the mean joint damping over the square of a lever
-_LEAST_M = 1e-3
+_LEVER, _LEAST_M = 0.6, 1e-3  # of the longest step from joint to joint; a length that is none
 _ON_AXIS_M = 0.03  # inside a joint's bearing: both links move alike there
 
 
@@ -64,7 +64,7 @@ def size_std(ordinary: Ordinary) -> float:
     dampings = [ordinary.arm.joints[i].damping for i in ordinary.elastic[:3]]
     mean = float(np.mean([1.0 if d is None else d.value for d in dampings]))
     lengths = [float(np.linalg.norm(j.T_parent_joint[:3, 3])) for j in ordinary.arm.joints]
-    return _SIZE * mean / (0.6 * max(*lengths, _LEAST_M)) ** 2
+    return _SIZE * mean / (_LEVER * max(*lengths, _LEAST_M)) ** 2
 
 
 def middle_of(ordinary: Ordinary, link: int) -> Array:

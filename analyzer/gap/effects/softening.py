@@ -16,6 +16,8 @@ from armodal.analyzer.gap.model.space import Parameter
 __all__ = ["WORDS", "laws"]
 
 _LEAST = 0.02  # of the joint's stiffness, at such a swing
+_STD, _HARDEST, _SOFTEST = 0.5, -20.0, 0.95  # likewise; all of it but a twentieth is lost at most
+_LN_BEND_STD, _LN_BEND_LEAST, _LN_BEND_MOST = 1.0, -2.5, 2.0
 
 WORDS = EffectWords(
     name="softening",
@@ -51,8 +53,15 @@ def laws(
         swing_rad,
         rate_rad_s,
         parameters=(
-            Parameter(name=part, unit="", mean=0.0, std=0.5, low=-20.0, high=0.95),
-            Parameter(name=bend, unit="", mean=0.0, std=1.0, low=-2.5, high=2.0),
+            Parameter(name=part, unit="", mean=0.0, std=_STD, low=_HARDEST, high=_SOFTEST),
+            Parameter(
+                name=bend,
+                unit="",
+                mean=0.0,
+                std=_LN_BEND_STD,
+                low=_LN_BEND_LEAST,
+                high=_LN_BEND_MOST,
+            ),
         ),
         element=element,
         material=_LEAST,

@@ -25,7 +25,7 @@ from armodal.analyzer.gap.inference.stage import Stage, models_of
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.linearised import linearised
-from armodal.analyzer.gap.model.ordinary import FARTHEST
+from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.weigh import Quadratic
 

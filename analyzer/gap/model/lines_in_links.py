@@ -12,6 +12,7 @@ from armodal.analyzer.gap.model.assembly import Assembly, spatial_inertia
 from armodal.analyzer.gap.model.effect import Builder, EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across, skew
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.priors import LINE_SHIFT_STD_M, LINE_TILT_STD
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.screws import line_sense
 from armodal.protocols.arrays import frozen_array
@@ -23,12 +24,11 @@ Array = npt.NDArray[np.float64]
 Body = Callable[[Assembly, Mapping[str, float]], None]
 
 _STEP = 1e-6  # for slopes
-_TILT_STD, _SHIFT_STD_M = 1.0, 0.15
 _FREEDOMS = (
-    ("tilt a", "", _TILT_STD),
-    ("tilt b", "", _TILT_STD),
-    ("shift a", "m", _SHIFT_STD_M),
-    ("shift b", "m", _SHIFT_STD_M),
+    ("tilt a", "", LINE_TILT_STD),
+    ("tilt b", "", LINE_TILT_STD),
+    ("shift a", "m", LINE_SHIFT_STD_M),
+    ("shift b", "m", LINE_SHIFT_STD_M),
 )
 
 
@@ -113,7 +113,7 @@ class LineInLink:
         )
         parameters = (
             Parameter(name=carried, unit="", mean=0.5, std=0.5, low=0.0, high=1.0),
-            Parameter(name=along, unit="m", mean=0.0, std=_SHIFT_STD_M),
+            Parameter(name=along, unit="m", mean=0.0, std=LINE_SHIFT_STD_M),
         )
         names = (mass_kg, carried, along, *self.moves)
 

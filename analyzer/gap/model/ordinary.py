@@ -22,10 +22,13 @@ from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.priors import (
     BEARING_LIMIT,
     DELAY_STD_S,
+    FARTHEST,
     FLOOR_LIMIT,
     JOINT_LOSS_LIMIT,
     JOINT_LOSS_MEAN,
     JOINT_LOSS_STD,
+    LEAST_LN_C_STD,
+    LEAST_LN_K_STD,
     PLACE_STD_M,
 )
 from armodal.analyzer.gap.model.scales import compliance, scale
@@ -33,13 +36,11 @@ from armodal.analyzer.gap.model.soft_parts import add_soft_parts, base_lever_m, 
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arm.records import Arm, Estimate
 
-__all__ = ["FARTHEST", "Ordinary"]
+__all__ = ["Ordinary"]
 
 Array = npt.NDArray[np.float64]
 
-FARTHEST = 5.0  # prior deviations
 _UPRIGHT = 0.99  # cosine between an axis and gravity
-_LEAST_LN_K_STD, _LEAST_LN_C_STD = 0.3, 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,8 +224,8 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
     found: list[Parameter] = []
     for i in ordinary.elastic:
         joint = arm.joints[i]
-        found.append(_log(f"ln k {joint.name}", joint.stiffness, _LEAST_LN_K_STD))
-        found.append(_log(f"ln c {joint.name}", joint.damping, _LEAST_LN_C_STD))
+        found.append(_log(f"ln k {joint.name}", joint.stiffness, LEAST_LN_K_STD))
+        found.append(_log(f"ln c {joint.name}", joint.damping, LEAST_LN_C_STD))
     found += [
         Parameter(
             name=f"loss {arm.joints[i].name}",

@@ -73,3 +73,16 @@ DELAY_STD_S = 20e-6  # between the channels of one board: half a sample at 25.6 
 # A sensor's place on its point: what a rule and a pencil mark tell, 1 mm, and the sensor's own
 # centre in its housing, as much.
 PLACE_STD_M = 0.002
+
+# Least deviations of ln k and ln c of a joint, however sure the arm file is of them; how many of
+# its deviations an ordinary error may be off by.
+LEAST_LN_K_STD, LEAST_LN_C_STD, FARTHEST = 0.3, 0.5, 5.0
+
+# What a wrist without a tool is built for, of what the most loaded joint carries.
+LEAST_CARRIED = 0.1
+
+# How far a line in a link may turn (tangent) and move from where its fit began, for its prior.
+LINE_TILT_STD, LINE_SHIFT_STD_M = 1.0, 0.15
+
+# Gains of one mounting, of the tolerance that a sensor's gain has, and at least.
+MOUNTING_GAIN, MOUNTING_GAIN_LEAST = 0.4, 1e-3

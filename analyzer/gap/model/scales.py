@@ -7,10 +7,9 @@ from functools import lru_cache
 import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.model.priors import LEAST_CARRIED
 
 __all__ = ["compliance", "reach_m", "scale"]
-
-_LEAST_CARRIED = 0.1  # of what the most loaded joint carries
 
 
 def compliance(superset: Superset) -> float:
@@ -47,7 +46,7 @@ def _scales(superset: Superset) -> tuple[float, ...]:
         for i in range(len(joints))
     ]
     # A wrist without a tool carries next to nothing, and is built for the tool.
-    carried = [max(w, _LEAST_CARRIED * max(carried)) for w in carried]
+    carried = [max(w, LEAST_CARRIED * max(carried)) for w in carried]
     own = [None if j.stiffness is None else 1.0 / j.stiffness.value for j in joints]
     level = np.mean(
         [np.log(c * w) for c, w in zip(own, carried, strict=True) if c is not None] or [0.0]

@@ -17,7 +17,11 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.model.lines import PostureLines
-from armodal.analyzer.gap.model.priors import BASE_GAIN_STD
+from armodal.analyzer.gap.model.priors import (
+    BASE_GAIN_STD,
+    MOUNTING_GAIN,
+    MOUNTING_GAIN_LEAST,
+)
 from armodal.protocols.arm.records import Tolerances
 
 __all__ = ["Discrepancy", "Quadratic", "Weighing", "nuisance", "stacked"]
@@ -89,7 +93,7 @@ class Weighing:
         # A complex residual of variance v has two real parts of v / 2 each.
         self.scale = np.sqrt(2.0 / (lines.variance + discrepancy.variance(lines)))
         tilt = tolerances.sensor_tilt_rad
-        gain = max(0.4 * tolerances.sensor_gain, 1e-3)
+        gain = max(MOUNTING_GAIN * tolerances.sensor_gain, MOUNTING_GAIN_LEAST)
         # Rows: recorded channel; columns: true axis.
         m = len(lines.sensor_point)
         gains = np.full(m, gain)

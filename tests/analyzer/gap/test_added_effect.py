@@ -14,7 +14,7 @@ from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.ordinary import FARTHEST
+from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search import rivals
 

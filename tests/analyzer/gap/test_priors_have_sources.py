@@ -80,3 +80,18 @@ def test_the_page_has_every_number_and_no_other():
 def test_the_page_has_the_values_of_the_code():
     code = dict(of_code())
     assert {name: values for name, values in of_page() if values != code[name]} == {}
+
+
+def test_no_number_hides_in_a_parameter():
+    """None and all of a part are no numbers of an arm."""
+    hidden = [
+        f"{path.name}:{part.lineno}"
+        for path in FILES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Parameter"
+        for told in node.keywords
+        for part in ast.walk(told.value)
+        if isinstance(part, ast.Constant) and type(part.value) is float
+        if part.value not in (0.0, 1.0)
+    ]
+    assert hidden == []
