@@ -7,7 +7,7 @@ gone along as hits there do, or as recorded.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,6 +17,7 @@ import numpy.typing as npt
 from armodal.analyzer.gap.effects import wrong_point
 from armodal.analyzer.gap.effects.sensor_candidates import LEAST_GAIN
 from armodal.analyzer.gap.inference.fit import Stage
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -60,6 +61,7 @@ def channel_candidates(
     for kept in (False, True):
         found += _exchanged(ordinary, ids, gain[int(kept)].sum(axis=0), kept=kept)
         found += _taken_for(ordinary, ids, gain[int(kept)], kept=kept)
+    found += _for_all(stage, hypothesis, values, ids)
     step = -np.linalg.solve(curve + np.eye(3) / wrong_point.FAR_M**2, slope[..., None])[..., 0]
     gains = -0.5 * np.sum(step * slope, axis=1)
     for point in np.argsort(-gains)[:_KEEP_SHIFTED]:
@@ -123,6 +125,35 @@ def _exchanged(ordinary: Ordinary, ids: list[str], gain: Array, *, kept: bool) -
         instance = wrong_point.exchanged(ordinary, ids[a], ids[b], kept=kept)
         found.append(Candidate(instance=instance, gain=float(both[a, b])))
     return found
+
+
+def _for_all(
+    stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float], ids: list[str]
+) -> list[Candidate]:
+    """The point of what stays, exchanged with another for the sensor and the hammer alike.
+
+    The first posture tells with which.
+    """
+    points = {point for own in stage.lines for point in own.still_point.tolist()}
+    if len(points) != 1:
+        return []
+    still = points.pop()
+
+    def brought(instances: Sequence[Instance], at: int) -> float:
+        own = replace(hypothesis, instances=(*hypothesis.instances, *instances))
+        y = Postures([stage.models[at]], [stage.lines[at]]).response(own, values).values[0]
+        return float(np.sum(stage.weighings[at].cost_by_mounting(y)))
+
+    others = sorted({*np.unique(stage.lines[0].moved_point).tolist()} - {still})
+    tried = [
+        wrong_point.exchanged(hypothesis.ordinary, ids[still], ids[other], still=True)
+        for other in others
+    ]
+    if not tried:
+        return []
+    best = min(tried, key=lambda instance: brought([instance], 0))
+    gain = sum(brought([], at) - brought([best], at) for at in range(len(stage.lines)))
+    return [Candidate(instance=best, gain=gain)]
 
 
 def _taken_for(ordinary: Ordinary, ids: list[str], gain: Array, *, kept: bool) -> list[Candidate]:

@@ -33,7 +33,7 @@ WORDS = EffectWords(
     remedy="correct the points' names in the session, or their place in the arm file",
 )
 FAR_M, MATERIAL_M = 0.1, 0.02
-_KEPT = "hits_along"
+_KEPT, _STILL = "hits_along", "what_stays"
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -42,22 +42,26 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     return ()
 
 
-def exchanged(ordinary: Ordinary, first: str, second: str, *, kept: bool = False) -> Instance:
+def exchanged(
+    ordinary: Ordinary, first: str, second: str, *, kept: bool = False, still: bool = False
+) -> Instance:
     """Two points measured under each other's name.
 
-    `kept`: hits went along as recorded, rather than as hits at the other point do.
+    `kept`: hits went along as recorded, rather than as hits at the other point do. `still`: what
+    does not go round stood at the other point, too.
     """
     a, b = (ordinary.superset.point_index[point] for point in (first, second))
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         del values
-        _move(assembly, {a: b, b: a}, kept=kept)
+        _move(assembly, {a: b, b: a}, kept=kept, still=still)
 
+    words: dict[str, object] = {"exchanged": first, "with": second}
     return Instance(
         effect=WORDS,
-        place=f"points {first} and {second} exchanged",
+        place=f"points {first} and {second} exchanged{', for all' if still else ''}",
         builder=build,
-        describe=_saying({"exchanged": first, "with": second} | _hits(kept)),
+        describe=_saying(words | _hits(kept) | ({_STILL: "too"} if still else {})),
     )
 
 
@@ -121,7 +125,8 @@ def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance |
     if any(point not in ordinary.superset.point_index for point in points):
         return None
     if "exchanged" in known and "with" in known:
-        return exchanged(ordinary, known["exchanged"], known["with"], kept=_KEPT in known)
+        kept, still = (key in known for key in (_KEPT, _STILL))
+        return exchanged(ordinary, known["exchanged"], known["with"], kept=kept, still=still)
     if "point" in known and "was" in known:
         where = known.get("posture")
         return stood_at(ordinary, known["point"], known["was"], where, kept=_KEPT in known)
@@ -140,15 +145,18 @@ def _hits(kept: bool) -> dict[str, object]:
     return {_KEPT: "as recorded"} if kept else {}
 
 
-def _move(assembly: Assembly, to: Mapping[int, int], *, kept: bool) -> None:
-    """Put what goes round to other points; a hit goes along as one there does, or as recorded."""
-    if not assembly.lines.hammer_roves:
+def _move(assembly: Assembly, to: Mapping[int, int], *, kept: bool, still: bool = False) -> None:
+    """Put what goes round to other points; a hit goes along as one there does, or as recorded.
+
+    `still`: and what does not, a hit then along as recorded where nothing else hits the other.
+    """
+    struck, forces = assembly.struck, assembly.forces
+    if still or not assembly.lines.hammer_roves:
         moved = [to.get(point, point) for point in assembly.where.tolist()]
         assembly.sensor_point = np.array(moved)
-        return
-    struck, forces = assembly.struck, assembly.forces
-    row_of = {point: row for row, point in enumerate(struck.tolist())}
-    truly = [to.get(point, point) for point in struck.tolist()]
-    assembly.hit_point = np.array(truly)
-    if not kept:
-        assembly.force = forces[[row_of.get(point, row) for row, point in enumerate(truly)]]
+    if still or assembly.lines.hammer_roves:
+        row_of = {point: row for row, point in enumerate(struck.tolist())}
+        truly = [to.get(point, point) for point in struck.tolist()]
+        assembly.hit_point = np.array(truly)
+        if not kept:
+            assembly.force = forces[[row_of.get(point, row) for row, point in enumerate(truly)]]

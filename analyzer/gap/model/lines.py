@@ -112,6 +112,11 @@ class PostureLines:
         return self.hit_point[self.hit] if self.hammer_roves else self.sensor_point
 
     @property
+    def still_point(self) -> npt.NDArray[np.int64]:
+        """Return (n_mountings,) the point where the other of both was."""
+        return self.sensor_point if self.hammer_roves else self.hit_point[self.hit]
+
+    @property
     def title(self) -> str:
         """Return the posture, what was done to the arm, and which hits where that matters."""
         words = [self.name]

@@ -163,6 +163,33 @@ def test_the_scan_finds_points_that_the_hammer_exchanged(kept, ordinary, of_hamm
     assert found.describe({}) == made.describe({})
 
 
+@pytest.mark.parametrize("roves", ["hammer", "sensor"])
+def test_the_scan_finds_a_point_exchanged_for_what_stays_too(
+    roves, ordinary, lines, of_hammer, posed
+):
+    """Whoever mixes up two labels has the sensor and the hammer at the wrong one."""
+    own = of_hammer if roves == "hammer" else lines
+    first = ordinary.arm.points[own.still_point[0]].id
+    made = wrong_point.exchanged(ordinary, first, "l1", still=True)
+    assert set(own.still_point.tolist()) == {ordinary.superset.point_index[first]}
+    a, b = (ordinary.superset.point_index[p] for p in (first, "l1"))
+    order = np.arange(len(ordinary.arm.points))
+    order[[a, b]] = b, a
+    along = own.hit_direction[order] if roves == "hammer" else own.hit_direction
+    truly = replace(
+        own,
+        sensor_point=order[own.sensor_point],
+        hit_point=order[own.hit_point],
+        hit_direction=along,
+    )
+    np.testing.assert_allclose(
+        predicted(posed, ordinary, own, (made,)), predicted(posed, ordinary, truly), rtol=1e-12
+    )
+    found = looked_at(ordinary, own, posed, made).instance
+    assert found.key == made.key
+    assert wrong_point.of_file(ordinary, found.describe({})).key == made.key
+
+
 def test_the_scan_finds_where_the_hammer_fell_beside_its_point(ordinary, of_hammer, posed):
     made = wrong_point.beside(ordinary, "k2")
     by = dict(zip(made.sizes, (0.02, -0.01, 0.03), strict=True))
@@ -247,6 +274,7 @@ def test_the_scan_finds_a_shifted_point_and_where_it_is(ordinary, lines, posed):
         lambda o: wrong_point.beside(o, "k2"),
         lambda o: wrong_point.exchanged(o, "k2", "l1"),
         lambda o: wrong_point.exchanged(o, "k2", "l1", kept=True),
+        lambda o: wrong_point.exchanged(o, "k2", "l1", still=True),
         lambda o: wrong_point.stood_at(o, "k2", "l1", "p"),
     ],
 )
