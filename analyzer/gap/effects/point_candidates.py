@@ -146,8 +146,9 @@ def _for_all(
 
     others = sorted({*np.unique(stage.lines[0].moved_point).tolist()} - {still})
     tried = [
-        wrong_point.exchanged(hypothesis.ordinary, ids[still], ids[other], still=True)
+        wrong_point.exchanged(hypothesis.ordinary, ids[still], ids[other], kept=kept, still=True)
         for other in others
+        for kept in (False, True)
     ]
     if not tried:
         return []

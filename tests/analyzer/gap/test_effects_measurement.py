@@ -163,19 +163,19 @@ def test_the_scan_finds_points_that_the_hammer_exchanged(kept, ordinary, of_hamm
     assert found.describe({}) == made.describe({})
 
 
-@pytest.mark.parametrize("roves", ["hammer", "sensor"])
+@pytest.mark.parametrize(("roves", "kept"), [("hammer", False), ("hammer", True), ("sensor", True)])
 def test_the_scan_finds_a_point_exchanged_for_what_stays_too(
-    roves, ordinary, lines, of_hammer, posed
+    roves, kept, ordinary, lines, of_hammer, posed
 ):
     """Whoever mixes up two labels has the sensor and the hammer at the wrong one."""
     own = of_hammer if roves == "hammer" else lines
     first = ordinary.arm.points[own.still_point[0]].id
-    made = wrong_point.exchanged(ordinary, first, "l1", still=True)
+    made = wrong_point.exchanged(ordinary, first, "l1", kept=kept, still=True)
     assert set(own.still_point.tolist()) == {ordinary.superset.point_index[first]}
     a, b = (ordinary.superset.point_index[p] for p in (first, "l1"))
     order = np.arange(len(ordinary.arm.points))
     order[[a, b]] = b, a
-    along = own.hit_direction[order] if roves == "hammer" else own.hit_direction
+    along = own.hit_direction if kept else own.hit_direction[order]
     truly = replace(
         own,
         sensor_point=order[own.sensor_point],
@@ -187,7 +187,8 @@ def test_the_scan_finds_a_point_exchanged_for_what_stays_too(
     )
     found = looked_at(ordinary, own, posed, made).instance
     assert found.key == made.key
-    assert wrong_point.of_file(ordinary, found.describe({})).key == made.key
+    read = wrong_point.of_file(ordinary, found.describe({}))
+    assert (read.key, read.describe({})) == (made.key, found.describe({}))
 
 
 def test_the_scan_finds_where_the_hammer_fell_beside_its_point(ordinary, of_hammer, posed):
