@@ -18,7 +18,7 @@ from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.lines_in_links import LineInLink, described_line
-from armodal.analyzer.gap.model.long_links import long_links, reach_m
+from armodal.analyzer.gap.model.long_links import LongLink, long_links, reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.spread import nearer
@@ -125,14 +125,18 @@ def at_axis(
         ]
 
     def is_also(values: Mapping[str, float], other: Instance) -> bool:
-        """Where the line is the joint's own, the joint gives way."""
+        """Where the line is the joint's own, the joint gives way; where a tube's, that twists."""
         joint = ordinary.arm.joints[link]
-        if other.key != ("released_joint", joint.name):
+        line = _tube(ordinary, link)
+        if other.key == ("released_joint", joint.name):
+            along, start = np.asarray(joint.axis), np.zeros(3)
+        elif other.key == ("link_torsion", name) and line is not None:
+            along, start = line.along, line.start_m
+        else:
             return False
         u, p = own_line.at(values)
-        own_axis = np.asarray(joint.axis)
-        off = np.linalg.norm(p - own_axis * (own_axis @ p))
-        return bool(abs(u @ own_axis) > _PARALLEL and off < _THROUGH_M)
+        off = np.linalg.norm(np.cross(p - start, along))
+        return bool(abs(u @ along) > _PARALLEL and off < _THROUGH_M)
 
     split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
     apart = Parameter(
@@ -202,7 +206,7 @@ def _all_along(
     ordinary: Ordinary, link: int, direction: Array, size: float, rest: Mapping[str, float]
 ) -> Begun:
     """An axis in a long link may stand for one that twists or bends all along."""
-    line = next((own for own in long_links(ordinary.superset) if own.link == link), None)
+    line = _tube(ordinary, link)
     if line is None:
         return []
     kind = "link_torsion" if abs(direction @ line.along) > _ALONG else "link_bending"
@@ -211,6 +215,11 @@ def _all_along(
         for instance in all_instances(ordinary)
         if instance.key == (kind, line.name)
     ]
+
+
+def _tube(ordinary: Ordinary, link: int) -> LongLink | None:
+    """Return the line of a link that is long enough to twist."""
+    return next((own for own in long_links(ordinary.superset) if own.link == link), None)
 
 
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:

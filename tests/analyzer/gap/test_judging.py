@@ -26,6 +26,8 @@ from armodal.analyzer.gap.effects import (
     gravity_compensator,
     hysteretic,
     link_axis,
+    link_bending,
+    link_torsion,
     nonproportional,
     released_joint,
     sensor_axes,
@@ -35,6 +37,7 @@ from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.long_links import long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search.rivals import Rivals
@@ -335,3 +338,20 @@ def test_an_axis_is_the_released_joint_only_where_it_lies_on_it(link, degrees, o
     released = Instance(effect=released_joint.WORDS, place=joint.name)
     assert line.is_also(values, released) is is_joint
     assert not line.is_also(values, Instance(effect=bearing.WORDS, place=joint.name))
+
+
+@pytest.mark.parametrize(
+    ("degrees", "off_m", "twists"), [(10.0, 0.02, True), (12.0, 0.0, False), (0.0, 0.04, False)]
+)
+def test_an_axis_is_a_twist_only_where_it_lies_along_its_long_link(degrees, off_m, twists):
+    """At one place of the tube or spread over it: the same motion beyond."""
+    ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
+    tube, other = long_links(ordinary.superset)[:2]
+    aside, beside = across(tube.along).T
+    tilt = np.deg2rad(degrees)
+    direction = np.cos(tilt) * tube.along + np.sin(tilt) * aside
+    line = link_axis.at_axis(ordinary, tube.link, direction, tube.start_m + off_m * beside)
+    values = {p.name: p.first for p in line.parameters}
+    assert line.is_also(values, Instance(effect=link_torsion.WORDS, place=tube.name)) is twists
+    assert not line.is_also(values, Instance(effect=link_torsion.WORDS, place=other.name))
+    assert not line.is_also(values, Instance(effect=link_bending.WORDS, place=tube.name))
