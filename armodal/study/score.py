@@ -183,6 +183,7 @@ def size_of_truth(
 
     sizes: dict[str, Callable[[], float]] = {
         "released_joint": lambda: 1.0 / p["stiffness_n_m_per_rad"],
+        "absorber": lambda: p["mass_kg"],
         "bearing": lambda: p["compliance_rad_per_n_m"],
         "link_axis": lambda: p["compliance_rad_per_n_m"],
         "base": base,

@@ -267,8 +267,16 @@ class Postures:
         link: int,
         pairs: Sequence[tuple[int, int]],
     ) -> ComplexArray:
-        """Derivatives (n_pairs, P, m, 3, L) by what resists motion of a link, `by_link_mass`."""
-        return self._solved(hypothesis, values).found.by_link_mass(link, pairs)
+        """Derivatives (n_pairs, P, m, 3, L) by an inertia of pairs of a link's six freedoms.
+
+        Both triangles' mean.
+        """
+        changes = np.zeros((len(pairs), 6, 6))
+        for change, (a, b) in zip(changes, pairs, strict=True):
+            change[a, b] += 0.5
+            change[b, a] += 0.5
+        found = self._solved(hypothesis, values).found
+        return found.by_link_inertia(link, changes, at_root=True)
 
     def damping_columns(
         self,

@@ -149,11 +149,8 @@ class Response:
         return np.asarray(-weight * y)
 
     def _along(self, row: Array) -> tuple[ComplexArray, ComplexArray]:
-        """(P, m, 3, L) under the loads and (P, m, L) under the hit, along a row (P, up to N).
-
-        A row ends with the coordinates that stood when it was added.
-        """
-        had = self.moving[self.moving < row.shape[1]]
+        """(P, m, 3, L) under the loads and (P, m, L) under the hit, along a row (P, up to N)."""
+        had = self.moving[self.moving < row.shape[1]]  # it ends with those there when it was added
         row = row[:, had].astype(self.x.real.dtype, copy=False)
         load, stretch = np.zeros_like(self.true_axes), np.zeros_like(self.x[:, :, 0])
         for i in np.flatnonzero(np.any(row, axis=0)):
@@ -274,12 +271,13 @@ class Response:
             found[..., locked] = self.inner @ load.astype(self.inner.dtype, copy=False)
         return found
 
-    def by_link_inertia(self, link: int, changes: Array) -> ComplexArray:
+    def by_link_inertia(self, link: int, changes: Array, *, at_root: bool = False) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by k changes (k, 6, 6) of a link's spatial inertia.
 
-        Gravity's stiffness is taken as it is: its part is far below the inertia's own.
+        Gravity's stiffness is taken as it is: its part is far below the inertia's own. `at_root`:
+        of what moves with the link's root, whatever pieces the link is in.
         """
-        pieces = self.system.pieces.get(link)
+        pieces = None if at_root else self.system.pieces.get(link)
         if pieces is None:
             return self._by_inertia(self.system.link_motion[:, link], changes)
         split = np.stack([pieces.split(change) for change in changes], axis=1)
@@ -301,18 +299,6 @@ class Response:
         products = W.reshape(P, m, 6, 1, 3, L) * V[:, :, None, :, None]  # (P, m, 6, 6, 3, L)
         y = real_times(changes.reshape(-1, 36), products.reshape(P, m, 36, 3 * L))
         return np.asarray(y.reshape(P, m, -1, 3, L).transpose(2, 0, 1, 3, 4))
-
-    def by_link_mass(self, link: int, pairs: Sequence[tuple[int, int]]) -> ComplexArray:
-        """Derivatives (k, P, m, 3, L) by a link's inertia over s^2, of k pairs of its freedoms.
-
-        What hangs on a link has a law of its own in the place of s^2. Both triangles' mean.
-        """
-        P, m, n, L = self.x.shape
-        J = self.system.link_motion[:, None, link].astype(self.x.real.dtype, copy=False)
-        V = real_times(J, self.x)[:, :, :, None]  # (P, m, 6, 1, L)
-        W = real_times(J, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 6, 3, L)
-        both = [W[:, :, a] * V[:, :, b] + W[:, :, b] * V[:, :, a] for a, b in pairs]
-        return np.asarray(-0.5 * np.stack(both))
 
     def by_force(self, hit: int, change: Array) -> ComplexArray:
         """Derivative by the force's components (P, 3) of one hit."""

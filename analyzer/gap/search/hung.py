@@ -89,7 +89,7 @@ def _best_pulls(
         lines, at = zip(*rows, strict=True)
         weighings = [stage.weighings[p] for p in lines]
         for number, law in enumerate(laws):  # one at a time: all at once do not fit the cache
-            weight = (std * law(s)).astype(fitted.shared.dtype)[:, None, None]
+            weight = (std * law(s) / s**2).astype(fitted.shared.dtype)[:, None, None]
             pulls = np.concatenate([c * weight for c in columns])
             part, _ = summed(weighings, y, fitted.beside(pulls), at)
             gradients[number] += part.gradient
