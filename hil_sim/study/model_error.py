@@ -22,7 +22,7 @@ Array = npt.NDArray[np.float64]
 Tables = dict[str, Any]
 
 # Ranges are drawn by their logarithm. Compliances are parts of the arm's own joint compliance.
-WEAK_BEARING = (0.001, 0.02)  # across each joint's axis
+WEAK_BEARING = (0.001, 0.02)  # across each joint's axis, of its own drive's
 NOT_RIGID = (0.0005, 0.01)  # about the axis of a joint believed rigid
 SOFT_FLOOR = (0.0003, 0.004)  # rocking of the base
 FLOOR_SHIFT_M2 = (0.002, 0.05)  # m / N of shifting per rad / N m of rocking
@@ -118,8 +118,10 @@ def _background(study: StudyArm, streams: Streams) -> list[Tables]:
     effects: list[Tables] = [_floor(study, streams)]
     for joint in study.arm.joints:
         name = joint.name
-        weak = compliance * _between(WEAK_BEARING, streams("bearing", name))
-        k = 1.0 / (weak * np.exp(0.3 * _bounded(streams("bearing sides", name), 2)))
+        drive = 1.0 / joint.stiffness.value if joint.stiffness else compliance
+        weak = _between(WEAK_BEARING, streams("bearing", name))
+        sides = weak * np.exp(0.3 * _bounded(streams("bearing sides", name), 2))
+        k = 1.0 / (drive * np.clip(sides, *WEAK_BEARING))
         loss_s = _between(INTERFACE_LOSS_S, streams("bearing loss", name))
         effects.append(
             {
