@@ -21,7 +21,7 @@ from armodal.analyzer.gap.model.lines_in_links import LineInLink, described_line
 from armodal.analyzer.gap.model.long_links import LongLink, long_links, reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
-from armodal.analyzer.gap.model.spread import nearer
+from armodal.analyzer.gap.model.spread import apart, second_moment
 
 __all__ = ["WORDS", "at_axis", "instances", "of_file", "splits"]
 
@@ -73,7 +73,8 @@ def at_axis(
         f"axis {what} {name}"
         for what in ("compliance", "loss", "loss factor", "mass before", "mass spread")
     )
-    middles = 0.5 * _even_length(ordinary, link)
+    body = ordinary.arm.joints[link].link
+    along, half_m = _along(ordinary, link), 0.5 * _even_length_m(ordinary, link)
     still = np.flatnonzero([point.id in before for point in ordinary.arm.points])
     inside = Inside(
         link=link,
@@ -101,9 +102,8 @@ def at_axis(
         if before:
             # Both pieces lie one behind the other along the link, their common centre the link's.
             shares = np.array([values[part], 1.0 - values[part]])
-            offsets = values[spread] * np.outer([-shares[1], shares[0]], middles)
-            offsets *= nearer(ordinary.arm.joints[link].link, shares, offsets)
-            assembly.pieces[link] = shares, offsets
+            places = values[spread] * half_m * np.array([-shares[1], shares[0]])
+            assembly.pieces[link] = shares, apart(body, along, shares, places)
             assembly.inside[at] = inside
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
@@ -139,7 +139,7 @@ def at_axis(
         return bool(abs(u @ along) > _PARALLEL and off < _THROUGH_M)
 
     split = Parameter(name=part, unit="", mean=_BEFORE, std=_BEFORE_STD, low=0.0, high=_BEFORE_MOST)
-    apart = Parameter(
+    wide = Parameter(
         name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=_SPREAD_MOST
     )
     own = {gamma, loss, factor, part, spread, *moves}
@@ -151,7 +151,7 @@ def at_axis(
             loss_parameter(loss),
             loss_factor_parameter(factor),
             *own_line.parameters,
-            *((split, apart) if before else ()),
+            *((split, wide) if before else ()),
         ),
         builder=build,
         describe=describe,
@@ -253,15 +253,17 @@ def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
     return tuple(dict.fromkeys(listed))
 
 
-def _even_length(ordinary: Ordinary, link: int) -> Array:
-    """(3,) along the link, as long as an even rod of its mass and its inertia that way."""
-    body = ordinary.arm.joints[link].link
+def _along(ordinary: Ordinary, link: int) -> Array:
+    """(3,) from a link's joint to the next one."""
     reach = reach_m(ordinary.superset, link)
-    along = reach / max(float(np.linalg.norm(reach)), _LEAST_M)
-    inertia = np.asarray(body.inertia_kg_m2)
-    second = 0.5 * np.trace(inertia) - along @ inertia @ along  # integral of x^2 dm along it
-    length = np.sqrt(12.0 * max(float(second), 0.0) / max(body.mass_kg, _LEAST_KG))
-    return np.asarray(along * length)
+    return reach / max(float(np.linalg.norm(reach)), _LEAST_M)
+
+
+def _even_length_m(ordinary: Ordinary, link: int) -> float:
+    """How long an even rod of the link's mass is that has its second moment that way."""
+    body, along = ordinary.arm.joints[link].link, _along(ordinary, link)
+    second = float(along @ second_moment(body) @ along)
+    return float(np.sqrt(12.0 * max(second, 0.0) / max(body.mass_kg, _LEAST_KG)))
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

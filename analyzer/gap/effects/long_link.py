@@ -19,7 +19,7 @@ from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
-from armodal.analyzer.gap.model.spread import nearer
+from armodal.analyzer.gap.model.spread import apart
 
 __all__ = ["given_way"]
 
@@ -70,12 +70,11 @@ def given_way(
     shares = np.diff(edges) / line.length_m
     middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
 
-    body, apart = ordinary.arm.joints[line.link].link, np.outer(middles, line.along)
-    most = nearer(body, shares, apart)
+    body = ordinary.arm.joints[line.link].link
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         # A link that both bends and twists is in the same pieces.
-        offsets = min(values[spread], most) * apart
+        offsets = apart(body, line.along, shares, values[spread] * middles)
         assembly.pieces.setdefault(line.link, (shares, offsets))
         parts, by_shape = _parts(values[taper], values[middle])
         off = np.array([values[name] for name in aside])

@@ -17,7 +17,7 @@ from armodal.hil_sim.makers.frame.modal import loss_law
 from armodal.hil_sim.makers.frame.parts import Parts
 from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
-__all__ = ["Hidden", "HidesInFrame", "Kit", "stiffer_at_told"]
+__all__ = ["Hidden", "HidesInFrame", "Kit", "law_at_told", "stiffer_at_told"]
 
 Hidden = dict[str, Any]
 
@@ -50,10 +50,14 @@ class Kit:
         return np.array([r * np.cos(turn), r * np.sin(turn), z])
 
 
+def law_at_told() -> float:
+    """What a unit loss factor adds to a unit stiffness where a truth is told."""
+    return float(loss_law(2.0j * np.pi * np.array([STIFFNESS_AT_HZ]))[0].real)
+
+
 def stiffer_at_told(loss_factor: float) -> float:
     """By how much a part with a loss factor is stiffer than at rest, where a truth is told."""
-    s = 2.0j * np.pi * np.array([STIFFNESS_AT_HZ])
-    return float(1.0 + loss_factor * loss_law(s)[0].real)
+    return 1.0 + loss_factor * law_at_told()
 
 
 class HidesInFrame(Protocol):

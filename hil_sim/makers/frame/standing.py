@@ -56,6 +56,16 @@ class Standing:
         at = self.parts.position_m.get(point, found.position_m)
         return self.spot(found.link, at), self.poses[found.link][:3, :3] @ found.R_link_sensor
 
+    def turns_before(self, joint: str, law: float) -> Array:
+        """Return the (3, 3) turning compliance of what a joint stands on, world axes.
+
+        `law`: what a unit loss factor adds to a unit stiffness.
+        """
+        stiffness, lost = self.structure.stiffness()
+        before, _, _ = self.hubs[joint]
+        T = self.structure.motion(before)[3:]
+        return np.asarray(T @ np.linalg.solve(stiffness + law * lost, T.T))
+
     def turn(self, joint: str) -> Array:
         """Return the (n,) vector of a joint's relative turn."""
         first, second, axis = self.hubs[joint]
