@@ -166,8 +166,11 @@ class Calibrations:
         """Whether anything is to be explained.
 
         What matters and has its limit in reach, what the hits' level tells, a misfit that half of
-        the replicas do not leave, or errors that no right model has.
+        the replicas do not leave, errors that no right model has, or ordinary ones as far as any
+        is tried: those stand for something else.
         """
+        if present.has_ordinary_at_limit:
+            return True
         if misfit_per_line(stage, present) > misfit_of_replicas(stage, present, _HALF):
             return True
         limits = self.of(stage, present, begun)

@@ -44,6 +44,7 @@ Progress = Callable[[str], None]
 
 NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
 Limit = Callable[[Fit, str], float]
+IsBegun = Callable[[Instance, float], bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,13 +122,13 @@ def find_rivals(
     # What ends no better than the model without it has no name.
     race = races[sharp] = Race(sharp, behind=base[-1].evidence)
 
-    def near(is_wanted: Callable[[Instance, float], bool]) -> list[Fit]:
+    def near(is_wanted: IsBegun, is_begun: IsBegun) -> list[Fit]:
         promising = [c for c in looked if c.gain > LOOK and is_wanted(c.instance, c.gain)]
         begun = [
             _begun(race, base[-1], c, start, choose_on=stages[1])
             for c in promising[: _kept(len(stages) - 2)]
         ]
-        return [*begun, *_from_beginnings(races, stages[-2:], base[-2], without, is_wanted)]
+        return [*begun, *_from_beginnings(races, stages[-2:], base[-2], without, is_begun)]
 
     def reaches_its_limit(instance: Instance, gain: float) -> bool:
         return PATIENCE * gain > limit(base[-1], instance.effect.name)
@@ -135,7 +136,7 @@ def find_rivals(
     finals: list[Fit] = []
     is_more = needs_more(base[-1], ())
     if not is_more:
-        finals = _hopeful(near(reaches_its_limit))
+        finals = _hopeful(near(reaches_its_limit, reaches_its_limit))
         is_more = needs_more(base[-1], finals)
     if is_more:
         if fitted is not None and afresh:
@@ -160,8 +161,10 @@ def find_rivals(
         far = [] if explained else _far(races, base, present, start, without, tell)
         # Where much is left they come after: most are hopeless beside what the wide lines led to.
         # A look about nothing may say far too little: what it puts first is begun anyway.
+        # What broad lines promise is set beside what others reached there.
         finals = finals or near(
-            lambda i, gain: i is looked[0].instance or race.is_in_reach(base[-1], gain)
+            lambda i, gain: i is looked[0].instance or race.is_in_reach(base[-1], gain),
+            lambda _, gain: races[stages[-2]].is_in_reach(base[-2], gain),
         )
         finals = _each_minimum([*finals, *far])
         finals = [*finals, *_alternatives(race, finals[:LEADING])]
@@ -239,7 +242,7 @@ def _from_beginnings(
     stages: Sequence[Stage],
     base: Fit,
     without: Collection[tuple[str, str]],
-    is_wanted: Callable[[Instance, float], bool],
+    is_begun: IsBegun,
 ) -> list[Fit]:
     """Fits on middle lines, begun on sharp ones, of what only its own beginnings tell."""
     middle, sharp = stages
@@ -252,7 +255,7 @@ def _from_beginnings(
         begun = [
             begin
             for gain, begin in beginnings[:LEADING]
-            if gain > LOOK and is_wanted(instance, gain)
+            if gain > LOOK and is_begun(instance, gain)
         ]
         near += [races[middle].to_its_end(races[middle].fit(richer, start=b)) for b in begun]
     return [races[sharp].fit(fit.hypothesis, resumed=fit) for fit in _hopeful(near)]
@@ -286,8 +289,9 @@ def _begun(
 ) -> Fit:
     """Some steps of a candidate from the best of its beginnings; on wide lines from its own too.
 
-    What begins best may lead nowhere: a body of no mass with a moment. Its own is where its file
-    says that a fit begins.
+    What begins best may lead nowhere: a body of no mass with a moment, beside ordinary errors that
+    have taken on the rest. Its own is where its file says that a fit begins, and there ordinary
+    errors begin anew.
     """
     present = about.hypothesis
     richer = replace(present, instances=(*present.instances, candidate.instance))
@@ -300,9 +304,15 @@ def _begun(
     starting_points += _of_every_size(values, candidate)
     best = best_starting_point(choose_on or race.stage, richer, starting_points)
     fits = [race.fit(richer, start=best)]
-    if own_too and best is not values:
+    if own_too and _has_own_start(candidate.instance):
+        fits.append(race.to_its_end(race.fit(richer, start=start)))
+    elif own_too and best is not values:
         fits.append(race.fit(richer, start=values))
     return min(fits, key=lambda fit: fit.evidence)
+
+
+def _has_own_start(instance: Instance) -> bool:
+    return any(p.first != p.mean for p in (*instance.parameters, *instance.relaxes.values()))
 
 
 def _of_every_size(
