@@ -22,6 +22,7 @@ from armodal.analyzer.gap.model.long_links import LongLink, long_links, reach_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.spread import apart, second_moment
+from armodal.protocols.arm.records import Joint
 
 __all__ = ["WORDS", "at_axis", "instances", "of_file", "splits"]
 
@@ -125,16 +126,25 @@ def at_axis(
         ]
 
     def is_also(values: Mapping[str, float], other: Instance) -> bool:
-        """Where the line is the joint's own, the joint gives way; where a tube's, that twists."""
+        """Where the line is the joint's own, the joint gives way; where a tube's, that twists.
+
+        Between two joints whose axes meet, one through that place that turns about both is a
+        coupling of theirs.
+        """
         joint = ordinary.arm.joints[link]
+        u, p = own_line.at(values)
         line = _tube(ordinary, link)
         if other.key == ("released_joint", joint.name):
             along, start = np.asarray(joint.axis), np.zeros(3)
         elif other.key == ("link_torsion", name) and line is not None:
             along, start = line.along, line.start_m
+        elif other.effect.name == "coupling" and link + 1 < len(ordinary.arm.joints):
+            beyond = ordinary.arm.joints[link + 1]
+            if other.place != f"{joint.name} and {beyond.name}":
+                return False
+            return _turns_about_both(u, p, joint, beyond)
         else:
             return False
-        u, p = own_line.at(values)
         off = np.linalg.norm(np.cross(p - start, along))
         return bool(abs(u @ along) > _PARALLEL and off < _THROUGH_M)
 
@@ -215,6 +225,20 @@ def _all_along(
         for instance in all_instances(ordinary)
         if instance.key == (kind, line.name)
     ]
+
+
+def _turns_about_both(u: Array, p: Array, joint: Joint, beyond: Joint) -> bool:
+    """Whether a line along u through p turns about both joints' axes, where those meet."""
+    T = beyond.T_parent_joint
+    first, second, offset = np.asarray(joint.axis), T[:3, :3] @ np.asarray(beyond.axis), T[:3, 3]
+    normal = np.cross(first, second)
+    size = float(np.linalg.norm(normal))
+    if size < np.sqrt(1.0 - _PARALLEL**2) or abs(offset @ normal) / size > _THROUGH_M:
+        return False  # they do not meet
+    meeting = first * float(np.cross(offset, second) @ normal) / size**2
+    off = np.linalg.norm(np.cross(meeting - p, u))
+    in_plane = abs(u @ normal) / size < np.sqrt(1.0 - _PARALLEL**2)
+    return bool(in_plane and off < _THROUGH_M)
 
 
 def _tube(ordinary: Ordinary, link: int) -> LongLink | None:
