@@ -17,6 +17,7 @@ from armodal.analyzer.gap.decision.calibration import (
 from armodal.analyzer.gap.library import names_of_laws
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search.replicas import Gains
 
@@ -203,6 +204,19 @@ def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
     present = made_fit(Hypothesis(ordinary=None), cost=100.0)
     begun = [with_effect(100.0 - gain, size=size)]
     assert Calibrations(0.01).needs_more(None, present, begun) == wanted
+
+
+@pytest.mark.parametrize(("deviations", "wanted"), [(4.9, False), (FARTHEST, True)])
+def test_ordinary_errors_as_far_as_any_is_tried_stand_for_something_else(
+    deviations, wanted, monkeypatch
+):
+    monkeypatch.setattr(calibration, "changes_with_level", lambda *_: [])
+    monkeypatch.setattr(calibration, "calibrate", lambda *_: made_calibration(apart=20.0))
+    monkeypatch.setattr(calibration, "misfit_per_line", lambda *_: 1.0)
+    monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: 9.0)
+    mass = Parameter(name="ln mass", unit="", mean=0.0, std=0.05)
+    present = made_fit(Hypothesis(ordinary=None), cost=100.0, space=Space([mass]), u=[deviations])
+    assert Calibrations(0.01).needs_more(None, present, []) == wanted
 
 
 def test_a_model_is_calibrated_anew_only_where_another_is_best(monkeypatch):

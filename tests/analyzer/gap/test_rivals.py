@@ -81,6 +81,36 @@ def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
     assert all("pull" not in values for values in tried["pull"])  # signed: its slope tells
 
 
+@pytest.mark.parametrize(("start", "anew"), [(0.5, True), (None, False)])
+def test_on_wide_lines_what_has_a_beginning_of_its_own_is_begun_beside_no_error(
+    start, anew, monkeypatch
+):
+    """Ordinary errors that took on what is missing lead back to where they are."""
+    mass = Parameter(name="mass", unit="kg", mean=0.0, std=1.0, low=0.0, start=start)
+    body = Instance(effect=hit_direction.WORDS, place="m", parameters=(mass,), size="mass")
+    begun = []
+
+    def fitted(_stage, hypothesis, *, start=None, resumed=None, **_):
+        if hypothesis.instances[-1] is body and start is not None:
+            begun.append(dict(start))
+        space = Space([Parameter(name="ln mass of a link", unit="", mean=0.0, std=0.05)])
+        made = made_fit(hypothesis, cost=0.0, space=space, u=[4.0])
+        return replace(made, converged=True)
+
+    for module in (rivals, race):
+        monkeypatch.setattr(module, "fit_hypothesis", fitted)
+    monkeypatch.setattr(rivals, "best_starting_point", lambda _s, _h, points: points[0])
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+    monkeypatch.setattr(rivals, "fitted_laws", lambda *_, **__: [])
+    looked = [Candidate(instance=body, gain=100.0)]
+    monkeypatch.setattr(
+        rivals, "all_candidates", lambda *_, from_start, **__: looked if from_start else []
+    )
+    find_rivals(STAGES, NAMED, lambda *_: True, start={}, afresh=False)
+    assert [{} for values in begun if not values] == [{}] * anew
+
+
 def on_the_way(hypothesis, to, cost, slope):
     """A fit that some steps brought to a cost, on the way to one of two minima."""
     space = Space([Parameter(name="angle", unit="rad", mean=0.0, std=1.0)])
