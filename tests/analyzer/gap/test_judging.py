@@ -355,3 +355,29 @@ def test_an_axis_is_a_twist_only_where_it_lies_along_its_long_link(degrees, off_
     assert line.is_also(values, Instance(effect=link_torsion.WORDS, place=tube.name)) is twists
     assert not line.is_also(values, Instance(effect=link_torsion.WORDS, place=other.name))
     assert not line.is_also(values, Instance(effect=link_bending.WORDS, place=tube.name))
+
+
+@pytest.mark.parametrize(
+    ("out_of_plane", "off_m", "couples"),
+    [(10.0, 0.02, True), (13.0, 0.0, False), (0.0, 0.04, False)],
+)
+def test_an_axis_that_turns_about_two_joints_where_they_meet_is_their_coupling(
+    out_of_plane, off_m, couples
+):
+    ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
+    joint, beyond = ordinary.arm.joints[4:6]
+    T = beyond.T_parent_joint
+    first, second, offset = np.asarray(joint.axis), T[:3, :3] @ beyond.axis, T[:3, 3]
+    # The wrist's last two axes meet: somewhere along the first the second's line is reached.
+    along = np.linalg.lstsq(np.stack([first, -second], axis=1), offset, rcond=None)[0]
+    meeting = along[0] * first
+    assert meeting == pytest.approx(offset + along[1] * second, abs=1e-9)
+    normal, both = (v / np.linalg.norm(v) for v in (np.cross(first, second), first + second))
+    tilt = np.deg2rad(out_of_plane)
+    direction, aside = np.cos(tilt) * both + np.sin(tilt) * normal, np.cross(normal, both)
+    line = link_axis.at_axis(ordinary, 4, direction, meeting + off_m * aside)
+    values = {p.name: p.first for p in line.parameters}
+    of_both = Instance(effect=coupling.WORDS, place=f"{joint.name} and {beyond.name}")
+    assert line.is_also(values, of_both) is couples
+    other = Instance(effect=coupling.WORDS, place=f"{ordinary.arm.joints[3].name} and {joint.name}")
+    assert not line.is_also(values, other)
