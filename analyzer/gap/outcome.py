@@ -20,6 +20,7 @@ from armodal.analyzer.gap.inference.hit_direction_notes import hit_direction_not
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
 from armodal.analyzer.gap.library import title_of
+from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.next_test.advice import Advice, advise, at_levels
 from armodal.analyzer.gap.records import (
     EffectFound,
@@ -305,11 +306,17 @@ def _interface(stage: Stage, before: Fit, least: float) -> str:
 
 
 def notes_on_its_end(final: Fit) -> list[str]:
-    """Say where the final fit ended before its end."""
-    if final.promised < _UNFINISHED:
-        return []
-    words = (
-        f"the last fit did not converge: {final.promised:.1f} nats more were promised where its "
-        "steps brought next to nothing; sizes and stiffnesses may be off by more than is stated"
-    )
-    return [words]
+    """Say where the final fit ended before its end, and which errors no tolerance explains."""
+    notes = []
+    if final.ordinary_at_limit:
+        notes.append(
+            f"{', '.join(final.ordinary_at_limit)}: ended {FARTHEST:.0f} deviations off, as far as "
+            "is tried; the arm file's tolerance is too narrow, or what is missing hides there"
+        )
+    if final.promised >= _UNFINISHED:
+        notes.append(
+            f"the last fit did not converge: {final.promised:.1f} nats more were promised where "
+            "its steps brought next to nothing; sizes and stiffnesses may be off by more than is "
+            "stated"
+        )
+    return notes

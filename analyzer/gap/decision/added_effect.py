@@ -74,7 +74,7 @@ def _begun_again(stages: Sequence[Stage], fit: Fit, begin: Mapping[str, float]) 
     from their limits no step leads back: a body of 15 kg stayed one of 1.2 kg once the rotor beside
     it was found.
     """
-    if len(fit.hypothesis.instances) == 1 or not fit.has_ordinary_at_limit:
+    if len(fit.hypothesis.instances) == 1 or not fit.ordinary_at_limit:
         return fit
     again = annealed(stages, fit.hypothesis, begin)[-1]
     return again if again.evidence < fit.evidence else fit

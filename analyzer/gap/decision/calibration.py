@@ -169,7 +169,7 @@ class Calibrations:
         the replicas do not leave, errors that no right model has, or ordinary ones as far as any
         is tried: those stand for something else.
         """
-        if present.has_ordinary_at_limit:
+        if present.ordinary_at_limit:
             return True
         if misfit_per_line(stage, present) > misfit_of_replicas(stage, present, _HALF):
             return True

@@ -85,11 +85,11 @@ class Fit:
         return self.hypothesis.instances[-1]
 
     @property
-    def has_ordinary_at_limit(self) -> bool:
-        """Whether any ordinary parameter ended as far from its prior's mean as is tried."""
+    def ordinary_at_limit(self) -> tuple[str, ...]:
+        """Return the ordinary parameters that ended as far from their means as is tried."""
         own = {name for instance in self.hypothesis.instances for name in instance.owned}
-        ordinary = [i for name, i in self.space.index.items() if name not in own]
-        return bool(np.any(np.abs(self.u[ordinary]) > FARTHEST - _EDGE))
+        far = np.abs(self.u) > FARTHEST - _EDGE
+        return tuple(n for n, i in self.space.index.items() if far[i] and n not in own)
 
     @property
     def log_det(self) -> float:

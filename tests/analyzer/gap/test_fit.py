@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import least_squares, lsq_linear
 
 from armodal.analyzer.gap.inference.fit import fit_hypothesis
+from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.model.weigh import Quadratic
 from armodal.analyzer.gap.outcome import notes_on_its_end
@@ -108,6 +109,17 @@ def test_a_fit_that_small_steps_ended_still_promises_what_is_left():
     assert ended.promised < 1e-3 * stuck.promised
     assert not notes_on_its_end(ended)
     assert f"{stuck.promised:.1f} nats" in notes_on_its_end(stuck)[0]
+
+
+@pytest.mark.parametrize(("pull", "names"), [(4.0, False), (100.0, True)])
+def test_an_error_as_far_off_as_any_is_tried_is_told_by_name(pull, names):
+    far = {"low": -FARTHEST, "high": FARTHEST}
+    parameters = [Parameter(name=n, unit="", mean=0.0, std=1.0, **far) for n in ("mass", "gain")]
+    stage = Residuals(lambda x: np.array([10.0 * (x[0] - pull), x[1]]), lambda _: np.diag([10, 1]))
+    fit = fit_hypothesis(stage, hypothesis_of(*parameters))
+    told = notes_on_its_end(fit)
+    assert fit.ordinary_at_limit == ("mass",) * names
+    assert ["mass" in note and "gain" not in note for note in told] == [True] * names
 
 
 def test_a_fit_ends_where_it_is_hopeless():
