@@ -36,8 +36,10 @@ _HEIGHT_M, _HEIGHT_STD_M, _PIVOT_STD_M = 0.1, 0.1, 0.1
 _MASS, _MASS_STD, _MASS_MOST = 0.3, 0.3, 2.0
 _ANY_TURN = np.pi / 2.0  # rad, either way: then the one line is the other
 _TURN_STD = _ANY_TURN / np.sqrt(3.0)
-# Radii of gyration of a disc over its radius, squared; the disc is the plate on its bolts.
+# Radii of gyration of a disc over its radius, squared.
 _DISC = np.diag([0.25, 0.25, 0.5])
+# Of that disc, over the plate's on its bolts: a foot as wide as the first link to the plate itself.
+_RADIUS, _RADIUS_STD, _RADIUS_MOST = 0.5, 0.4, 2.0
 _UP = skew(np.array([0.0, 0.0, 1.0]))
 
 
@@ -45,8 +47,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in BASE_WAYS]
     mass, height, pivot, turn = "base mass", "base height", "base pivot", "base turn"
-    factor = "base loss factor"
-    radii_2_m2 = _DISC * 2.0 * ordinary.base_lever_m**2  # the lever is radius over root 2
+    radius, factor = "base radius", "base loss factor"
+    plate_m = float(np.sqrt(2.0)) * ordinary.base_lever_m  # the lever is radius over root 2
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         c, s = np.cos(values[turn]), np.sin(values[turn])
@@ -62,9 +64,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         assembly.motion_of[turn] = list(zip(at, across @ rocking, strict=True))
         ways = [assembly.names[name] for name in names]
         assembly.add_loss_factor(ways, values[factor], factor)
-        here, by_mass, by_height = _inertia(values[mass], values[height], radii_2_m2)
+        here, slopes = _inertia(values[mass], values[height], values[radius])
         assembly.base_inertia = assembly.base_inertia + here
-        assembly.inertia_of |= {mass: (BASE, by_mass), height: (BASE, by_height)}
+        for name, slope in zip((mass, height, radius), slopes, strict=True):
+            assembly.inertia_of[name] = BASE, slope
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         """Level lines in the base's frame that it rocks about."""
@@ -113,6 +116,15 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     low=-_FARTHEST_M,
                     high=_FARTHEST_M,
                 ),
+                Parameter(
+                    name=radius,
+                    unit="m",
+                    mean=_RADIUS * plate_m,
+                    std=_RADIUS_STD * plate_m,
+                    low=0.0,
+                    high=_RADIUS_MOST * plate_m,
+                    untold=plate_m,
+                ),
                 # Softest about any level line: an even draw's deviation.
                 Parameter(
                     name=turn,
@@ -137,10 +149,12 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def _inertia(mass_kg: float, height_m: float, radii_2_m2: Array) -> tuple[Array, Array, Array]:
-    """The base's own (6, 6), and its slopes by mass and height."""
-    of_one = spatial_inertia(1.0, np.array([0.0, 0.0, height_m]), radii_2_m2)
-    by_height = np.zeros((6, 6))
+def _inertia(mass_kg: float, height_m: float, radius_m: float) -> tuple[Array, tuple[Array, ...]]:
+    """The base's own (6, 6), and its slopes by mass, height and radius."""
+    disc_m2 = radius_m**2 * _DISC
+    of_one = spatial_inertia(1.0, np.array([0.0, 0.0, height_m]), disc_m2)
+    by_height, by_radius = np.zeros((6, 6)), np.zeros((6, 6))
     by_height[:3, 3:], by_height[3:, :3] = -_UP, _UP
     by_height[3:, 3:] = -2.0 * height_m * _UP @ _UP
-    return mass_kg * of_one, of_one, mass_kg * by_height
+    by_radius[3:, 3:] = 2.0 * radius_m * _DISC
+    return mass_kg * of_one, (of_one, mass_kg * by_height, mass_kg * by_radius)
