@@ -103,7 +103,7 @@ def _of_file(own: FileEffect) -> Twin:
         "kind": "base",
         "pivot_m": (0.0, 0.0, own.sizes.get("pivot", 0.0)),
         "mass_kg": mass,
-        "center_m": (0.0, 0.0, own.sizes.get("height", 0.0)),
+        "center_m": tuple(own.sizes.get(of, 0.0) for of in ("aside_x", "aside_y", "height")),
         "inertia_kg_m2": (xx, 0.0, 0.0, yy, 0.0, zz),
         "springs": tuple(
             {

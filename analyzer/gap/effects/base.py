@@ -40,6 +40,7 @@ _TURN_STD = _ANY_TURN / np.sqrt(3.0)
 _DISC = np.diag([0.25, 0.25, 0.5])
 # Of that disc, over the plate's on its bolts: a foot as wide as the first link to the plate itself.
 _RADIUS, _RADIUS_STD, _RADIUS_MOST = 0.5, 0.4, 2.0
+_ASIDE_STD = 0.1  # its centre from the first joint's axis, over the plate's radius
 _UP = skew(np.array([0.0, 0.0, 1.0]))
 
 
@@ -48,6 +49,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     names = [f"base {way}" for way in BASE_WAYS]
     mass, height, pivot, turn = "base mass", "base height", "base pivot", "base turn"
     radius, factor = "base radius", "base loss factor"
+    aside = ["base aside x", "base aside y"]
     plate_m = float(np.sqrt(2.0)) * ordinary.base_lever_m  # the lever is radius over root 2
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -64,9 +66,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         assembly.motion_of[turn] = list(zip(at, across @ rocking, strict=True))
         ways = [assembly.names[name] for name in names]
         assembly.add_loss_factor(ways, values[factor], factor)
-        here, slopes = _inertia(values[mass], values[height], values[radius])
+        center = np.array([values[name] for name in (*aside, height)])
+        here, slopes = _inertia(values[mass], center, values[radius])
         assembly.base_inertia = assembly.base_inertia + here
-        for name, slope in zip((mass, height, radius), slopes, strict=True):
+        for name, slope in zip((mass, *aside, height, radius), slopes, strict=True):
             assembly.inertia_of[name] = BASE, slope
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
@@ -125,6 +128,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     high=_RADIUS_MOST * plate_m,
                     untold=plate_m,
                 ),
+                *(
+                    Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD * plate_m, untold=0.0)
+                    for name in aside
+                ),
                 # Softest about any level line: an even draw's deviation.
                 Parameter(
                     name=turn,
@@ -149,12 +156,15 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def _inertia(mass_kg: float, height_m: float, radius_m: float) -> tuple[Array, tuple[Array, ...]]:
-    """The base's own (6, 6), and its slopes by mass, height and radius."""
-    disc_m2 = radius_m**2 * _DISC
-    of_one = spatial_inertia(1.0, np.array([0.0, 0.0, height_m]), disc_m2)
-    by_height, by_radius = np.zeros((6, 6)), np.zeros((6, 6))
-    by_height[:3, 3:], by_height[3:, :3] = -_UP, _UP
-    by_height[3:, 3:] = -2.0 * height_m * _UP @ _UP
+def _inertia(mass_kg: float, center_m: Array, radius_m: float) -> tuple[Array, tuple[Array, ...]]:
+    """The base's own (6, 6), and its slopes by mass, each part of its centre, and radius."""
+    of_one = spatial_inertia(1.0, center_m, radius_m**2 * _DISC)
+    by_radius = np.zeros((6, 6))
     by_radius[3:, 3:] = 2.0 * radius_m * _DISC
-    return mass_kg * of_one, (of_one, mass_kg * by_height, mass_kg * by_radius)
+    by_center = []
+    for unit in np.eye(3):
+        slope, moved = np.zeros((6, 6)), skew(unit)
+        slope[:3, 3:], slope[3:, :3] = -moved, moved
+        slope[3:, 3:] = -moved @ skew(center_m) - skew(center_m) @ moved
+        by_center.append(mass_kg * slope)
+    return mass_kg * of_one, (of_one, *by_center, mass_kg * by_radius)
