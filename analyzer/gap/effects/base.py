@@ -39,7 +39,7 @@ _TURN_STD = _ANY_TURN / np.sqrt(3.0)
 # Radii of gyration of a disc over its radius, squared.
 _DISC = np.diag([0.25, 0.25, 0.5])
 # Of that disc, over the plate's on its bolts: a foot as wide as the first link to the plate itself.
-_RADIUS, _RADIUS_STD, _RADIUS_MOST = 0.5, 0.4, 2.0
+_RADIUS, _RADIUS_STD, _RADIUS_MOST = 0.5, 0.45, 2.0
 _ASIDE_STD = 0.1  # its centre from the first joint's axis, over the plate's radius
 _UP = skew(np.array([0.0, 0.0, 1.0]))
 

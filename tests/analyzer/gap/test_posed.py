@@ -83,7 +83,7 @@ def test_postures_solved_together_are_each_alone(superset, lines, ordinary):
 
 
 def test_derivatives_in_single_precision_are_those_in_double(superset, lines, ordinary):
-    """All effects at once, each beside any other: sums that cancel to a thousandth at most."""
+    """All effects at once, each beside any other: sums that cancel to a 3000th, of a base's turn."""
     kinds = {instance.effect.name: instance for instance in all_instances(ordinary)}
     hypothesis = Hypothesis(ordinary=ordinary, instances=tuple(kinds.values()))
     space = hypothesis.space()
@@ -100,7 +100,7 @@ def test_derivatives_in_single_precision_are_those_in_double(superset, lines, or
     size = np.abs(exact[1]).max(axis=(1, 2, 3, 4), keepdims=True)
     assert np.count_nonzero(size) > 100
     np.testing.assert_allclose(
-        dy / (size + 1e-30), exact[1] / (size + 1e-30), rtol=0, atol=1000 * np.finfo(np.float32).eps
+        dy / (size + 1e-30), exact[1] / (size + 1e-30), rtol=0, atol=3000 * np.finfo(np.float32).eps
     )
 
 
