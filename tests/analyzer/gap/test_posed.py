@@ -83,7 +83,7 @@ def test_postures_solved_together_are_each_alone(superset, lines, ordinary):
 
 
 def test_derivatives_in_single_precision_are_those_in_double(superset, lines, ordinary):
-    """All effects at once, each beside any other: sums that cancel to a 3000th, of a base's turn."""
+    """All effects at once, each beside any other: a base's turn cancels to a 3000th."""
     kinds = {instance.effect.name: instance for instance in all_instances(ordinary)}
     hypothesis = Hypothesis(ordinary=ordinary, instances=tuple(kinds.values()))
     space = hypothesis.space()
