@@ -94,10 +94,10 @@ class Base(BaseEffect):
 def _of_file(own: FileEffect) -> Twin:
     mass = max(own.sizes["mass"], 1e-3)
     radii_2_m2 = _RADII_2_M2
-    if "radius" in own.sizes:  # of a disc
-        square = own.sizes["radius"] ** 2
+    if "radius" in own.sizes:  # of a disc; a body of none would have no inertia
+        square = max(own.sizes["radius"], 1e-3) ** 2
         radii_2_m2 = (square / 4.0, square / 4.0, square / 2.0)
-    xx, yy, zz = (mass * max(square, 1e-6) for square in radii_2_m2)
+    xx, yy, zz = (mass * square for square in radii_2_m2)
     ways = [way for way in WAYS if own.sizes[way] > 0.0]
     table = {
         "kind": "base",

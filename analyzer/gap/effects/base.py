@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -95,37 +96,11 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             effect=WORDS,
             place="base",
             parameters=(
-                Parameter(
-                    name=mass,
-                    unit="kg",
-                    mean=_MASS * total,
-                    std=_MASS_STD * total,
-                    low=0.0,
-                    high=_MASS_MOST * total,
-                ),
-                Parameter(
-                    name=height,
-                    unit="m",
-                    mean=_HEIGHT_M,
-                    std=_HEIGHT_STD_M,
-                    low=-_FARTHEST_M,
-                    high=_FARTHEST_M,
-                ),
-                Parameter(
-                    name=pivot,
-                    unit="m",
-                    mean=0.0,
-                    std=_PIVOT_STD_M,
-                    low=-_FARTHEST_M,
-                    high=_FARTHEST_M,
-                ),
-                Parameter(
-                    name=radius,
-                    unit="m",
-                    mean=_RADIUS * plate_m,
-                    std=_RADIUS_STD * plate_m,
-                    low=0.0,
-                    high=_RADIUS_MOST * plate_m,
+                _part_of(mass, "kg", total, (_MASS, _MASS_STD, _MASS_MOST)),
+                _at_height(height, _HEIGHT_M, _HEIGHT_STD_M),
+                _at_height(pivot, 0.0, _PIVOT_STD_M),
+                replace(
+                    _part_of(radius, "m", plate_m, (_RADIUS, _RADIUS_STD, _RADIUS_MOST)),
                     untold=plate_m,
                 ),
                 *(
@@ -153,6 +128,18 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             ),
             material=ordinary.floor_limit,
         ),
+    )
+
+
+def _part_of(name: str, unit: str, whole: float, parts: tuple[float, float, float]) -> Parameter:
+    """What is no less than nothing, by its mean, deviation and most as parts of a whole."""
+    mean, std, most = (whole * part for part in parts)
+    return Parameter(name=name, unit=unit, mean=mean, std=std, low=0.0, high=most)
+
+
+def _at_height(name: str, mean_m: float, std_m: float) -> Parameter:
+    return Parameter(
+        name=name, unit="m", mean=mean_m, std=std_m, low=-_FARTHEST_M, high=_FARTHEST_M
     )
 
 

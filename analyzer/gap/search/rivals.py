@@ -44,7 +44,7 @@ Progress = Callable[[str], None]
 
 NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
 Limit = Callable[[Fit, str], float]
-IsBegun = Callable[[Instance, float], bool]
+IsWanted = Callable[[Instance, float], bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,7 +122,7 @@ def find_rivals(
     # What ends no better than the model without it has no name.
     race = races[sharp] = Race(sharp, behind=base[-1].evidence)
 
-    def near(is_wanted: IsBegun, is_begun: IsBegun) -> list[Fit]:
+    def near(is_wanted: IsWanted, is_begun: IsWanted) -> list[Fit]:
         promising = [c for c in looked if c.gain > LOOK and is_wanted(c.instance, c.gain)]
         begun = [
             _begun(race, base[-1], c, start, choose_on=stages[1])
@@ -242,7 +242,7 @@ def _from_beginnings(
     stages: Sequence[Stage],
     base: Fit,
     without: Collection[tuple[str, str]],
-    is_begun: IsBegun,
+    is_begun: IsWanted,
 ) -> list[Fit]:
     """Fits on middle lines, begun on sharp ones, of what only its own beginnings tell."""
     middle, sharp = stages

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from armodal.hil_sim.makers.arms import ARMS, arm_table
 from armodal.hil_sim.makers.draw import draw_cases
 from armodal.hil_sim.makers.frame.everyday import everyday
-from armodal.hil_sim.makers.frame.kit import Kit
+from armodal.hil_sim.makers.frame.kit import Kit, stiffer_at_told
 from armodal.hil_sim.makers.frame.maker import EFFECTS as FRAME_EFFECTS
 from armodal.hil_sim.makers.frame.modal import modal
 from armodal.hil_sim.makers.frame.standing import stand
@@ -99,3 +100,17 @@ def test_the_frames_effects_fit_every_arm(arm):
                 json.dumps(effect.hide(kit, place, middle(effect.RANGE)), allow_nan=False)
                 found = modal(stand(kit.parts, told), 300.0).frequencies_hz
                 assert found[0] > 0.5, (name, place)
+
+
+@pytest.mark.parametrize(("stiffer", "is_plate_alone"), [(1.0, False), (1e6, True)])
+def test_a_base_is_told_with_its_casting_below_the_first_joint(stiffer, is_plate_alone):
+    drawn = everyday(arm_table("ur10e"), "rigid", 3)
+    parts = drawn.parts.copy()
+    casting = parts.sections["base"]
+    parts.sections["base"] = replace(casting, youngs_pa=stiffer * casting.youngs_pa)
+    kit = Kit(drawn=drawn, parts=parts, gear=drawn.gear, rng=stream(3, "told"))
+    told = FRAME_EFFECTS["base"].hide(kit, "base", 0.05)
+    felt = stiffer_at_told(parts.plate_loss) * parts.plate[5, 5]
+    # A millionth of the casting's yield is left, which itself is below the plate's.
+    assert bool(told["turn_n_m_per_rad"] == pytest.approx(felt, rel=1e-6)) == is_plate_alone
+    assert told["turn_n_m_per_rad"] <= felt * (1.0 + 1e-9)
