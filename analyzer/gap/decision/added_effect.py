@@ -198,7 +198,7 @@ def _still_earning(stage: Stage, fit: Fit, calibration: Calibration) -> tuple[Fi
         for instance in fit.hypothesis.instances[:-1]:
             start, hypothesis = _taken_out(fit, instance)
             fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=STEPS)
-            small = not matters(stage, fewer, fit, instance)
+            small = not matters(stage, fewer, fit, instance, calibration.inflation)
             limit = calibration.limit(instance.effect.name)
             if small or fewer.evidence - PATIENCE * fewer.promised < fit.evidence + limit:
                 fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)

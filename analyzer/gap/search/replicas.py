@@ -1,9 +1,10 @@
 """Replicas of a session without any further effect, and what every effect would gain on them.
 
 A replica is the model fitted, with errors drawn anew: error modes of every posture (`error_modes`)
-and ordinary errors with their priors' deviations, but longer tails. A model is wrong in its form,
-which pulls an effect the same way in every posture. A session cannot tell that from the effect
-itself; it tells only that B postures bring B times the variance at most, and so much is drawn.
+and ordinary errors with their priors' deviations, but longer tails, within bounds of nature's. A
+model is wrong in its form, which pulls an effect the same way in every posture. A session cannot
+tell that from the effect itself; it tells only that B postures bring B times the variance at most,
+and so much is drawn.
 
 Every effect at every place has a few columns beside the ordinary ones. What they gain after the
 ordinary parameters have followed is a product of matrices, so thousands of replicas cost as much as
@@ -22,6 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from scipy.special import stdtr, stdtrit
 
 from armodal.analyzer.gap.inference.error_modes import (
     Sensitivities,
@@ -33,6 +35,7 @@ from armodal.analyzer.gap.inference.error_modes import (
 )
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.search.scan import small
 
 __all__ = ["Gains", "replica_gains"]
@@ -91,7 +94,7 @@ def replica_gains(
     H = curvature_of(parts)
     rng = np.random.default_rng(seed)
     G = _drawn(parts, fitted, rng)
-    prior = rng.standard_t(_FREEDOM, (len(free), _N_REPLICAS))
+    prior = _within(space.low[free], space.high[free], rng.random((len(free), _N_REPLICAS)))
     covariance = np.linalg.inv(H[np.ix_(free, free)] + np.eye(len(free)))
     back = covariance @ (G[free] + prior)
 
@@ -142,6 +145,17 @@ def _drawn(
         draws *= np.sqrt(0.5 * len(parts))  # as if all postures erred alike
         drawn -= slopes.real @ draws[0] + slopes.imag @ draws[1]
     return drawn
+
+
+def _within(low: Array, high: Array, even: Array) -> Array:
+    """Ordinary errors (n, n_replicas) of even draws, within bounds (n,) that nature sets.
+
+    No compliance is negative, and one beyond its bound is an effect, which no replica has. Where a
+    search ends is no such bound: a tolerance may be as wrong as its tails are long.
+    """
+    below = np.where(np.isclose(low, -FARTHEST), 0.0, stdtr(_FREEDOM, low))[:, None]
+    above = np.where(np.isclose(high, FARTHEST), 1.0, stdtr(_FREEDOM, high))[:, None]
+    return np.asarray(stdtrit(_FREEDOM, below + (above - below) * even))
 
 
 def _added(S: Array, slope: Array, one_sided: npt.NDArray[np.bool_]) -> Array:
