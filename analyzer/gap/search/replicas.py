@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import stdtr, stdtrit
+import scipy
 
 from armodal.analyzer.gap.inference.error_modes import (
     Sensitivities,
@@ -153,9 +153,9 @@ def _within(low: Array, high: Array, even: Array) -> Array:
     No compliance is negative, and one beyond its bound is an effect, which no replica has. Where a
     search ends is no such bound: a tolerance may be as wrong as its tails are long.
     """
-    below = np.where(np.isclose(low, -FARTHEST), 0.0, stdtr(_FREEDOM, low))[:, None]
-    above = np.where(np.isclose(high, FARTHEST), 1.0, stdtr(_FREEDOM, high))[:, None]
-    return np.asarray(stdtrit(_FREEDOM, below + (above - below) * even))
+    below = np.where(np.isclose(low, -FARTHEST), 0.0, scipy.special.stdtr(_FREEDOM, low))[:, None]
+    above = np.where(np.isclose(high, FARTHEST), 1.0, scipy.special.stdtr(_FREEDOM, high))[:, None]
+    return np.asarray(scipy.special.stdtrit(_FREEDOM, below + (above - below) * even))
 
 
 def _added(S: Array, slope: Array, one_sided: npt.NDArray[np.bool_]) -> Array:
