@@ -13,6 +13,7 @@ from armodal.analyzer.gap.effects.compliance import (
     loss_factor_parameter,
     loss_parameter,
 )
+from armodal.analyzer.gap.effects.link_axis import at_axis, splits
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
@@ -105,12 +106,25 @@ def given_way(
     def alternatives(
         values: Mapping[str, float],
     ) -> Sequence[tuple[Instance, Mapping[str, float]]]:
-        """Another such link, as soft from end to end: beyond a joint in line both turn alike."""
+        """Another such link, as soft from end to end: beyond a joint in line both turn alike.
+
+        Or an axis in this one, where it is softest, with its first points before it.
+        """
         rest = {k: v for k, v in values.items() if k not in own}
-        return [
+        whole = values[gamma] * line.length_m
+        parts, _ = _parts(values[taper], values[middle])
+        at_m = line.length_m * float(parts @ ((np.arange(SLICES) + 0.5) / SLICES))
+        aside_m = across(line.along) @ [values[name] for name in aside]
+        point_m = line.start_m + aside_m + at_m * line.along
+        axes = [
+            at_axis(ordinary, line.link, u, point_m, before=points)
+            for u in directions
+            for points in splits(ordinary, line.link)
+        ]
+        return [(axis, rest | {axis.size: whole}) for axis in axes] + [
             (
                 there := given_way(ordinary, other, ways, words, word=word, material=material),
-                rest | {there.size: values[gamma] * line.length_m / other.length_m},
+                rest | {there.size: whole / other.length_m},
             )
             for other in long_links(ordinary.superset)
             if abs(other.link - line.link) == 1

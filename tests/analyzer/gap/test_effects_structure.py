@@ -7,6 +7,7 @@ import pytest
 from support.bench_effects import JOINTS, instance_of, start_of
 
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.effects.gravity_compensator import shares
 from armodal.analyzer.gap.effects.load_damping import gravity_load
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
@@ -315,3 +316,18 @@ def test_a_link_may_give_way_in_its_middle_alone_or_at_one_end(ordinary, lines, 
     assert yields(middle=9.0)[SLICES // 2] / even.sum() == pytest.approx(1.0, abs=1.2 * beside)
     root, *_, tip = yields(taper=3.0)  # half a slice from the ends
     assert np.log(tip / root) == pytest.approx(3.0 * (1.0 - 1.0 / SLICES))
+
+
+def test_a_link_that_twists_may_be_an_axis_in_it_with_each_of_its_first_points_before(ordinary):
+    """As soft as the whole link, and along its line."""
+    line = long_links(ordinary.superset)[0]
+    twists = instance_of(ordinary, "link_torsion", line.name)
+    values = {p.name: p.first for p in twists.parameters} | {twists.size: 2e-5}
+    axes = [(i, at) for i, at in twists.alternatives(values) if i.effect is link_axis.WORDS]
+    splits = link_axis.splits(ordinary, line.link)
+    assert len(splits) > 1
+    told = [i.describe({p.name: p.first for p in i.parameters}) for i, _ in axes]
+    assert [tuple(own["points_before"].split()) for own in told] == list(splits)
+    for own, (axis, at) in zip(told, axes, strict=True):
+        assert at[axis.size] == pytest.approx(2e-5 * line.length_m, rel=1e-12)
+        assert np.linalg.norm(np.cross(own["direction"], line.along)) < 1e-9
