@@ -10,6 +10,7 @@ import numpy as np
 
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.decision.without_levels import titles
 from armodal.analyzer.gap.inference.compare import disagreement_map, posture_gap
@@ -144,7 +145,7 @@ def conclude(
         verdict=verdict,
         summary=summary_words(verdict, effects, standing, misfit, left),
         effects=effects if verdict is Verdict.NAMED else (),
-        rivals=_rivals(found, judged, shared),
+        rivals=_rivals(sharp, found, judged, shared),
         hidden=_hidden(hiding, sizes, spread),
         joint_stiffness_ranges=ranges,
         gap_before=_gaps(sharp, before, first, measured),
@@ -207,12 +208,12 @@ def _confidence(effects: Sequence[EffectFound]) -> float:
     return float(np.prod([e.confidence for e in effects]))
 
 
-def _rivals(found: Rivals, judged: Judged, phi: float) -> tuple[RivalRow, ...]:
+def _rivals(stage: Stage, found: Rivals, judged: Judged, phi: float) -> tuple[RivalRow, ...]:
     fits = found.with_standing(judged.standing)
-    return tuple(_rival(fit, found.present, fits[0], judged, phi) for fit in fits)
+    return tuple(_rival(stage, fit, found.present, fits[0], judged, phi) for fit in fits)
 
 
-def _rival(fit: Fit, present: Fit, best: Fit, judged: Judged, phi: float) -> RivalRow:
+def _rival(stage: Stage, fit: Fit, present: Fit, best: Fit, judged: Judged, phi: float) -> RivalRow:
     instance = fit.last
     calibration, gain = judged.calibration, present.evidence - fit.evidence
     behind = fit.evidence - best.evidence
@@ -223,7 +224,7 @@ def _rival(fit: Fit, present: Fit, best: Fit, judged: Judged, phi: float) -> Riv
         gain=gain,
         behind=behind,
         standing=any(f is fit for f in judged.standing),
-        material=instance.is_material(fit.values),
+        material=matters(stage, present, fit, instance, judged.phi),
         parameters=intervals(fit, instance.owned, phi),
         told_by=instance.effect.told_by,
         false_name_probability=calibration.p_value(instance.effect.name, gain),

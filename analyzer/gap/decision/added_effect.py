@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.decision.calibration import Calibration
-from armodal.analyzer.gap.decision.judge import Judged, is_plainer, matters
+from armodal.analyzer.gap.decision.judge import Judged, is_plainer
+from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import HeldOut
 from armodal.analyzer.gap.library import together
@@ -198,10 +199,11 @@ def _still_earning(stage: Stage, fit: Fit, calibration: Calibration) -> tuple[Fi
         for instance in fit.hypothesis.instances[:-1]:
             start, hypothesis = _taken_out(fit, instance)
             fewer = fit_hypothesis(stage, hypothesis, start=start, max_iterations=STEPS)
-            small = not matters(stage, fewer, fit, instance, calibration.inflation)
-            limit = calibration.limit(instance.effect.name)
+            limit, phi = calibration.limit(instance.effect.name), calibration.inflation
+            small = not matters(stage, fewer, fit, instance, phi)
             if small or fewer.evidence - PATIENCE * fewer.promised < fit.evidence + limit:
                 fewer = fit_hypothesis(stage, hypothesis, resumed=fewer)
+                small = not matters(stage, fewer, fit, instance, phi)
             if small or fewer.evidence - fit.evidence < limit:
                 gone.append(instance)
                 fit = fewer

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
@@ -179,7 +180,7 @@ class Calibrations:
         return any(
             present.evidence - f.evidence + f.promised > limits.limit(f.last.effect.name)
             for f in begun
-            if f.last.is_material(f.values)
+            if matters(stage, present, f, f.last, limits.inflation)
         )
 
 

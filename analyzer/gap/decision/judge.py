@@ -13,21 +13,18 @@ from dataclasses import dataclass, replace
 from itertools import permutations, zip_longest
 
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
+from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.decision.mounting_share import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
-from armodal.analyzer.gap.inference.intervals import intervals
-from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.protocols.arm.records import Joint
 
 __all__ = [
-    "MOST",
     "Judged",
     "Thresholds",
     "ends_alike",
     "is_plainer",
     "judge",
-    "matters",
     "one_mechanism",
 ]
 
@@ -36,8 +33,6 @@ _PART_OF_GAIN = 0.1  # by which an axis may explain more than the joint on which
 _MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scatter
 _SLIGHT_PART = 0.02  # of a gain
 _LEFT = 0.2  # of a response
-_MOVED = 0.05  # of a joint's stiffness: as much compliance as makes a joint a released one
-MOST = 0.5  # of a misfit: what explains as much explains more than all others together
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,28 +102,6 @@ def judge(
     others = [r for r in others if r.evidence > best.evidence]
     odds = sum(calibration.odds(r.evidence - best.evidence) for r in (present, *others))
     return replace(nothing, named=best, standing=(best,), confidence=1.0 / (1.0 + odds))
-
-
-def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance, phi: float) -> bool:
-    """Whether an effect is large enough to be worth a name, or most of what is missing without it.
-
-    What a size means is known of joints and links. Of what acts at an unknown lever, or where the
-    hits hardly move anything else, the misfit tells it better, or a joint's stiffness that would be
-    told wrongly without it.
-    """
-    if instance.is_material(fit.values) or _moves_stiffness(without, fit, phi):
-        return True
-    return misfit_per_line(stage, fit) < (1.0 - MOST) * misfit_per_line(stage, without)
-
-
-def _moves_stiffness(without: Fit, fit: Fit, phi: float) -> bool:
-    """Whether a joint's stiffness leaves its interval with an effect, and by a part that counts."""
-    joints = fit.hypothesis.ordinary.arm.joints
-    told = intervals(without, [f"ln k {joint.name}" for joint in joints], phi)
-    return any(
-        not own.low <= fit.values[name] <= own.high and abs(fit.values[name] - own.value) > _MOVED
-        for name, own in told.items()
-    )
 
 
 def _plainest(material: Sequence[Fit], present: Fit, phi: float) -> Fit:

@@ -9,7 +9,8 @@ import numpy as np
 
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.calibration import Calibration
-from armodal.analyzer.gap.decision.judge import MOST, Judged, judge
+from armodal.analyzer.gap.decision.judge import Judged, judge
+from armodal.analyzer.gap.decision.matters import MOST
 from armodal.analyzer.gap.decision.recurrence import recurrence
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage

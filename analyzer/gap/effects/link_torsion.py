@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
 from armodal.analyzer.gap.effects.long_link import given_way
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.long_links import LongLink, long_links
+from armodal.analyzer.gap.model.long_links import long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
-
-Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="link_torsion",
@@ -34,7 +29,3 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         )
         for line in long_links(ordinary.superset)
     )
-
-
-def _about_it(line: LongLink) -> list[Array]:
-    return [line.along]

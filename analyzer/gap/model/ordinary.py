@@ -284,17 +284,8 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
             )
             for side in "ab"
         ]
-    return tuple(_within_reason(p) for p in found)
-
-
-def _within_reason(parameter: Parameter) -> Parameter:
-    """An error that nobody would call ordinary any more is not tried: it only misleads."""
-    reach = FARTHEST * parameter.std
-    return replace(
-        parameter,
-        low=max(parameter.low, parameter.mean - reach),
-        high=min(parameter.high, parameter.mean + reach),
-    )
+    # An error that nobody would call ordinary any more is not tried: it only misleads.
+    return tuple(replace(p, farthest=FARTHEST) for p in found)
 
 
 def _log(name: str, believed: Estimate | None, least: float) -> Parameter:

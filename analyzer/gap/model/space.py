@@ -25,6 +25,7 @@ class Parameter:
     high: float = np.inf
     start: float | None = None  # the mean, if not given
     untold: float | None = None  # what an arm file means that lacks it; None: it may not
+    farthest: float = np.inf  # deviations from the mean that a fit tries, though nature allows more
 
     @property
     def first(self) -> float:
@@ -33,15 +34,20 @@ class Parameter:
 
 
 class Space:
-    """An ordered set of parameters; its vectors count prior standard deviations from the mean."""
+    """An ordered set of parameters; its vectors count prior standard deviations from the mean.
+
+    `least` and `most` are nature's bounds; `low` and `high` are within them, as far as a fit tries.
+    """
 
     def __init__(self, parameters: Sequence[Parameter]) -> None:
         self.parameters = tuple(parameters)
         self.index = {p.name: i for i, p in enumerate(self.parameters)}
         self.mean = np.array([p.mean for p in self.parameters])
         self.std = np.array([p.std for p in self.parameters])
-        self.low = (np.array([p.low for p in self.parameters]) - self.mean) / self.std
-        self.high = (np.array([p.high for p in self.parameters]) - self.mean) / self.std
+        farthest = np.array([p.farthest for p in self.parameters])
+        self.least = (np.array([p.low for p in self.parameters]) - self.mean) / self.std
+        self.most = (np.array([p.high for p in self.parameters]) - self.mean) / self.std
+        self.low, self.high = np.maximum(self.least, -farthest), np.minimum(self.most, farthest)
 
     def __len__(self) -> int:
         """Return the number of parameters."""

@@ -35,7 +35,6 @@ from armodal.analyzer.gap.inference.error_modes import (
 )
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
-from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.search.scan import small
 
 __all__ = ["Gains", "replica_gains"]
@@ -94,7 +93,7 @@ def replica_gains(
     H = curvature_of(parts)
     rng = np.random.default_rng(seed)
     G = _drawn(parts, fitted, rng)
-    prior = _within(space.low[free], space.high[free], rng.random((len(free), _N_REPLICAS)))
+    prior = _within(space.least[free], space.most[free], rng.random((len(free), _N_REPLICAS)))
     covariance = np.linalg.inv(H[np.ix_(free, free)] + np.eye(len(free)))
     back = covariance @ (G[free] + prior)
 
@@ -147,14 +146,13 @@ def _drawn(
     return drawn
 
 
-def _within(low: Array, high: Array, even: Array) -> Array:
-    """Ordinary errors (n, n_replicas) of even draws, within bounds (n,) that nature sets.
+def _within(least: Array, most: Array, even: Array) -> Array:
+    """Ordinary errors (n, n_replicas) of even draws, within the bounds (n,) that nature sets.
 
     No compliance is negative, and one beyond its bound is an effect, which no replica has. Where a
-    search ends is no such bound: a tolerance may be as wrong as its tails are long.
+    fit ends is no such bound: a tolerance may be as wrong as its tails are long.
     """
-    below = np.where(np.isclose(low, -FARTHEST), 0.0, scipy.special.stdtr(_FREEDOM, low))[:, None]
-    above = np.where(np.isclose(high, FARTHEST), 1.0, scipy.special.stdtr(_FREEDOM, high))[:, None]
+    below, above = (scipy.special.stdtr(_FREEDOM, bound)[:, None] for bound in (least, most))
     return np.asarray(scipy.special.stdtrit(_FREEDOM, below + (above - below) * even))
 
 

@@ -13,9 +13,9 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.judge import (
     is_plainer,
     judge,
-    matters,
     one_mechanism,
 )
+from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.decision.naming import judge_round
 from armodal.analyzer.gap.effects import (
     absorber,
@@ -390,9 +390,8 @@ def test_an_axis_that_turns_about_two_joints_where_they_meet_is_their_coupling(
 def test_a_small_effect_matters_where_a_joint_would_be_told_wrongly_without_it(std, moved, told):
     """By a twentieth, and beyond the interval that it has without."""
     stage = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
-    joints = SimpleNamespace(arm=SimpleNamespace(joints=[SimpleNamespace(name="j")]))
     space = Space([Parameter(name="ln k j", unit="", mean=9.0, std=std)])
-    hypothesis = Hypothesis(ordinary=joints)
+    hypothesis = Hypothesis(ordinary=None)
     small = Instance(effect=nonproportional.WORDS, place="floor and l", size="d", material=1.0)
     space_with = space.with_changes({}, [Parameter(name="d", unit="N s/m", mean=0.0, std=1.0)])
     without = made_fit(hypothesis, cost=100.0, space=space, u=[0.0])

@@ -61,8 +61,8 @@ def linear(monkeypatch):
     return parts
 
 
-def null():
-    hypothesis = Hypothesis(ordinary=SimpleNamespace(parameters=lambda: ORDINARY))
+def null(first=ORDINARY[0]):
+    hypothesis = Hypothesis(ordinary=SimpleNamespace(parameters=lambda: (first, *ORDINARY[1:])))
     space = hypothesis.space()
     return made_fit(hypothesis, cost=1.0, space=space, u=np.zeros(len(space)))
 
@@ -112,24 +112,18 @@ def test_gains_scatter_as_those_of_fitted_replicas(instance, linear):
         assert np.mean(fitted > limit) == pytest.approx(1.0 - q, abs=tolerance)
 
 
-def null_of(first):
-    hypothesis = Hypothesis(ordinary=SimpleNamespace(parameters=lambda: (first, *ORDINARY[1:])))
-    space = hypothesis.space()
-    return made_fit(hypothesis, cost=1.0, space=space, u=np.zeros(len(space)))
-
-
 @pytest.mark.usefixtures("linear")
 def test_no_replica_has_an_ordinary_error_that_nature_or_its_name_forbids():
-    """A compliance below none, or as large as an effect's; where a search ends forbids nothing."""
-    least = {}
-    for low, high in ((-1.0, 2.0), (-5.0, 5.0), (-np.inf, np.inf)):
-        first = replace(ORDINARY[0], low=low, high=high)
-        wide = replace(LOOSE, relaxes={"o0": replace(SIZE, name="o0", std=10.0)})
-        gains = replica_gains(None, null_of(first), (), [wide]).replicas[0]
-        least[low, high] = float(np.quantile(gains, 0.999))
-    assert least[-5.0, 5.0] == least[-np.inf, np.inf]
+    """A compliance below none, or as large as an effect's; where a fit ends forbids nothing."""
+    wide = replace(LOOSE, relaxes={"o0": replace(SIZE, name="o0", std=10.0)})
+
+    def largest(first):
+        return np.quantile(replica_gains(None, null(first), (), [wide]).replicas[0], 0.999)
+
+    ends = largest(replace(ORDINARY[0], farthest=5.0))
+    assert ends == largest(ORDINARY[0])
     # Half the square of a deviation, and t of four degrees of freedom has 8.6 in one of a thousand.
-    assert least[-1.0, 2.0] < 0.5 * 3.0**2 < 0.5 * 6.0**2 < least[-5.0, 5.0]
+    assert largest(replace(ORDINARY[0], low=-1.0, high=2.0)) < 0.5 * 3.0**2 < 0.5 * 6.0**2 < ends
 
 
 def test_dispersion_counts_errors_of_all_postures_alike(linear):
