@@ -100,16 +100,20 @@ class ArmPlaces:
     def tube(self, link: str) -> tuple[Array, Array]:
         """(3,) ends of a casting, beside its joint and the next: a rod turns easiest about itself.
 
-        One as wide as long goes from joint to joint.
+        One as wide as long goes from joint to joint. What carries the next joint where its own
+        stands, as in a wrist, comes from the other side.
         """
         reach, own = self.reach(link), self.links[link]
+        root = np.zeros(3)
+        if link != list(self.links)[-1] and np.allclose(reach, 2.0 * np.array(own["center_m"])):
+            root, reach = reach, -reach
         xx, xy, xz, yy, yz, zz = own["inertia_kg_m2"]
         turned, ways = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         way = ways[:, 0]
         if turned[0] > 0.6 * turned[1] or (way @ reach) ** 2 < 0.6 * (reach @ reach):
-            return np.zeros(3), reach
+            return root, root + reach
         center = np.array(own["center_m"])
-        start = center - (way @ center) * way
+        start = center - (way @ (center - root)) * way
         return start, start + (way @ reach) * way
 
     def carried(self, joint: str) -> float:

@@ -18,7 +18,7 @@ from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.lines_in_links import LineInLink, described_line
-from armodal.analyzer.gap.model.long_links import LongLink, long_links, reach_m
+from armodal.analyzer.gap.model.long_links import LongLink, long_links, span_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.spread import apart, second_moment
@@ -258,7 +258,7 @@ def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance |
 def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
     """Return which of a link's points may stand before an axis: one, or more, the first ones.
 
-    In the order along the link towards its next joint, and by distance from its own: on a short
+    In the order along the link from its root to its tip, and by distance from the root: on a short
     link with a wide shell the two differ.
     """
     points = [
@@ -266,10 +266,10 @@ def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
         for point, own in zip(ordinary.arm.points, ordinary.superset.point_link, strict=True)
         if own == link
     ]
-    reach = reach_m(ordinary.superset, link)
+    root, tip = span_m(ordinary.superset, link)
     orders = (
-        sorted(points, key=lambda point: float(point.position_m @ reach)),
-        sorted(points, key=lambda point: float(np.linalg.norm(point.position_m))),
+        sorted(points, key=lambda point: float(point.position_m @ (tip - root))),
+        sorted(points, key=lambda point: float(np.linalg.norm(point.position_m - root))),
     )
     found = [{p.id for p in order[:n]} for order in orders for n in range(1, len(points))]
     # As the arm file lists them: two orders may have the same points first.
@@ -278,8 +278,9 @@ def splits(ordinary: Ordinary, link: int) -> tuple[tuple[str, ...], ...]:
 
 
 def _along(ordinary: Ordinary, link: int) -> Array:
-    """(3,) from a link's joint to the next one."""
-    reach = reach_m(ordinary.superset, link)
+    """(3,) from a link's root to its tip."""
+    root, tip = span_m(ordinary.superset, link)
+    reach = tip - root
     return reach / max(float(np.linalg.norm(reach)), _LEAST_M)
 
 

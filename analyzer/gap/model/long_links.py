@@ -1,7 +1,9 @@
 """Links long enough to bend: each a line along which it gives way.
 
 A slender casting's line is its axis of least inertia, through its centre: that of the tube, which
-on an arm with offsets passes beside its joints. Of any other it is from its joint to the next.
+on an arm with offsets passes beside its joints. Of any other it is from its joint to the next. A
+description may put a joint anywhere on its axis, and often where the axes of a wrist meet: a link
+whose next joint stands at its own comes from the other side.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from armodal.analyzer.gap.model.assembly import Inside
 from armodal.analyzer.gap.model.geometry import skew
 from armodal.protocols.arm.records import InertialLink
 
-__all__ = ["SLICES", "LongLink", "long_links", "reach_m"]
+__all__ = ["SLICES", "LongLink", "long_links", "span_m"]
 
 Array = npt.NDArray[np.float64]
 
@@ -30,17 +32,17 @@ SLICES = 5  # hinges at 1/10, 3/10, ...: they give a tip wrench's deflection to 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LongLink:
-    """A link's line in the link's own frame, from beside its joint to beside the next."""
+    """A link's line in the link's own frame, from its root to its tip."""
 
     link: int
     name: str
     along: Array  # (3,) unit
     length_m: float
-    start_m: Array = field(default_factory=lambda: np.zeros(3))  # square to it from the joint
+    start_m: Array = field(default_factory=lambda: np.zeros(3))  # (3,) its root
 
     @property
     def places_m(self) -> tuple[float, ...]:
-        """Return where along the line the hinges stand."""
+        """Return where along the line, from its root, the hinges stand."""
         return tuple((i + 0.5) / SLICES * self.length_m for i in range(SLICES))
 
     def inside(self, superset: Superset, start_m: float, end_m: float, before: int) -> Inside:
@@ -52,7 +54,7 @@ class LongLink:
         ends = np.array([start_m, end_m])
         points = [i for i, own in enumerate(superset.point_link) if own == self.link]
         placed = [superset.arm.points[i] for i in points]
-        along = np.clip([point.position_m @ self.along for point in placed], *ends)
+        along = np.clip([(p.position_m - self.start_m) @ self.along for p in placed], *ends)
         off = 0.5 * (end_m - along)
         back = np.array([point.R_link_sensor.T @ self.along for point in placed])
         partly = along < end_m
@@ -80,10 +82,11 @@ def long_links(superset: Superset) -> tuple[LongLink, ...]:
     for i, joint in enumerate(joints):
         if superset.point_link.count(i) < 2:
             continue
-        reach = reach_m(superset, i)
+        root, tip = span_m(superset, i)
+        reach = tip - root
         if np.linalg.norm(reach) < _LEAST_M:
             continue
-        along, start = _line(joint.link, reach)
+        along, start = _line(joint.link, root, reach)
         length = float(along @ reach)
         found.append(
             LongLink(link=i, name=joint.link.name, along=along, length_m=length, start_m=start)
@@ -91,25 +94,25 @@ def long_links(superset: Superset) -> tuple[LongLink, ...]:
     return tuple(found)
 
 
-def _line(link: InertialLink, reach: Array) -> tuple[Array, Array]:
-    """Direction and start (3,) of the line of a link that reaches so far."""
+def _line(link: InertialLink, root: Array, reach: Array) -> tuple[Array, Array]:
+    """Direction and start (3,) of the line of a link that reaches so far from its root."""
     towards = reach / np.linalg.norm(reach)
     moments, axes = np.linalg.eigh(np.asarray(link.inertia_kg_m2))
     along = axes[:, 0] * np.sign(axes[:, 0] @ towards)
     if moments[0] > _SLENDER * moments[1] or along @ towards < _TOWARDS:
-        return towards, np.zeros(3)
+        return towards, root
     center = np.asarray(link.center_m)
-    return along, center - along * (along @ center)
+    return along, center - along * (along @ (center - root))
 
 
-def reach_m(superset: Superset, link: int) -> Array:
-    """Return how far a link goes, (3,) in its frame: to the next joint.
+def span_m(superset: Superset, link: int) -> tuple[Array, Array]:
+    """Return a link's root and tip, each (3,) in its frame: from its joint to the next.
 
-    Where that stands at the link's own, or there is none, to twice the centre.
+    The last link goes to twice its centre; one whose next joint stands at its own comes from there.
     """
     joints = superset.arm.joints
-    last = link + 1 == len(joints)
-    reach = np.zeros(3) if last else np.asarray(joints[link + 1].T_parent_joint[:3, 3])
-    if np.linalg.norm(reach) < _LEAST_M / 4.0:
-        reach = 2.0 * np.asarray(joints[link].link.center_m)
-    return reach
+    here, far = np.zeros(3), 2.0 * np.asarray(joints[link].link.center_m)
+    if link + 1 == len(joints):
+        return here, far
+    beyond = np.asarray(joints[link + 1].T_parent_joint[:3, 3])
+    return (here, beyond) if np.linalg.norm(beyond) >= _LEAST_M / 4.0 else (far, beyond)

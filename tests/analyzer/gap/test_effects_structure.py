@@ -15,8 +15,10 @@ from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Pieces, spatial_inertia
 from armodal.analyzer.gap.model.geometry import GeometryNear, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links, reach_m
+from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links, span_m
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.hil_sim.study import study_arm
+from armodal.protocols.arm.files import load_arm
 
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
 
@@ -154,8 +156,51 @@ def test_the_line_of_an_arm_with_offsets_is_its_tube():
         across = np.linalg.eigvalsh(body.inertia_kg_m2)[1]
         assert line.along @ body.inertia_kg_m2 @ line.along < 0.1 * across
     assert np.linalg.norm(upper.start_m) > 0.1
-    towards = reach_m(superset, fore.link) / np.linalg.norm(reach_m(superset, fore.link))
-    assert 0.9 < towards @ fore.along < 0.98
+    root, tip = span_m(superset, fore.link)
+    assert 0.9 < (tip - root) @ fore.along / np.linalg.norm(tip - root) < 0.98
+
+
+def moved_along_its_axis(arm, number, by_m):
+    """The same arm, but for where on its axis a joint's frame stands."""
+    joint, beyond = arm.joints[number : number + 2]
+    shift = by_m * np.asarray(joint.axis)
+
+    def moved(by_m):
+        T = np.eye(4)
+        T[:3, 3] = by_m
+        return T
+
+    center = joint.link.center_m - shift
+    joints = list(arm.joints)
+    joints[number] = replace(
+        joint,
+        T_parent_joint=joint.T_parent_joint @ moved(shift),
+        link=replace(joint.link, center_m=center),
+    )
+    joints[number + 1] = replace(beyond, T_parent_joint=moved(-shift) @ beyond.T_parent_joint)
+    points = [
+        replace(p, position_m=p.position_m - shift) if p.link == joint.link.name else p
+        for p in arm.points
+    ]
+    return replace(arm, joints=tuple(joints), points=tuple(points))
+
+
+def test_a_link_begins_at_its_root_wherever_on_its_axis_its_joint_is_described():
+    """A description may put a wrist's joints where their axes meet: at the tip of the forearm."""
+    arm = load_arm("rv4frl")
+    at = [joint.link.name for joint in arm.joints].index("forearm")
+    told = Ordinary(superset=Superset(arm), postures=("p",))
+    length = float(arm.joints[at + 1].T_parent_joint[2, 3])
+    other = Ordinary(superset=Superset(moved_along_its_axis(arm, at, length)), postures=("p",))
+    lines = [next(x for x in long_links(o.superset) if x.link == at) for o in (told, other)]
+    np.testing.assert_allclose(lines[0].along, lines[1].along, atol=1e-12)
+    roots = [line.start_m for line in lines]
+    tips = [line.start_m + line.length_m * line.along for line in lines]
+    shift = np.array([0.0, 0.0, length])
+    np.testing.assert_allclose(tips[1] + shift, tips[0], atol=1e-3)
+    # Its root is told by its centre alone there: within an eighth of its length on this arm.
+    np.testing.assert_allclose(roots[1] + shift, roots[0], atol=length / 8)
+    assert link_axis.splits(other, at) == link_axis.splits(told, at)
 
 
 def test_under_an_even_moment_points_follow_a_beam_s_parabola(ordinary, lines, posed):

@@ -12,7 +12,7 @@ from armodal.analyzer.gap.effects.link_axis import splits
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
-from armodal.analyzer.gap.model.long_links import reach_m
+from armodal.analyzer.gap.model.long_links import span_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.priors import BASE_GAIN_STD
@@ -116,7 +116,8 @@ def test_a_point_of_the_base_may_move_half_as_much_more_than_the_base(superset, 
 def test_on_a_wide_shell_points_stand_before_an_axis_by_where_they_are_along_the_link(superset):
     """A point beside the link's foot is further from its joint than one a little way up."""
     link = 1
-    along = reach_m(superset, link) / np.linalg.norm(reach_m(superset, link))
+    root, tip = span_m(superset, link)
+    along = (tip - root) / np.linalg.norm(tip - root)
     beside = np.cross(along, [0.0, 0.0, 1.0])
     beside /= np.linalg.norm(beside)
     own = [
