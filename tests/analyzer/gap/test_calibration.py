@@ -203,7 +203,8 @@ def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
     monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: leaves)
     present = made_fit(Hypothesis(ordinary=None), cost=100.0)
     begun = [with_effect(100.0 - gain, size=size)]
-    assert Calibrations(0.01).needs_more(None, present, begun) == wanted
+    stage = SimpleNamespace(weighings=[SimpleNamespace(n=100)])
+    assert Calibrations(0.01).needs_more(stage, present, begun) == wanted
 
 
 @pytest.mark.parametrize(("deviations", "wanted"), [(4.9, False), (FARTHEST, True)])
