@@ -66,7 +66,7 @@ def held_arm(arm: Arm) -> HeldArm:
     notes = [f"as the arm file has them, not fitted: {names}"] if names else []
     if lines:
         notes.append(f"fitted anew from where the arm file has them: {', '.join(lines.values())}")
-    if any(at.compliance_loss_factor):
+    if any(f and g > LOCKED for f, g in zip(at.compliance_loss_factor, at.compliance, strict=True)):
         at_hz = REFERENCE_RAD_S / (2.0 * np.pi)
         notes.append(f"their loss factors count as dashpots that lose as much at {at_hz:.0f} Hz")
     return HeldArm(

@@ -35,7 +35,7 @@ class InterfaceLoss(BaseEffect):
     def act(self, terms: LinearTerms) -> None:
         """Put them there."""
         for label, k in self.stiffness.items():
-            row, lossy = terms.row(label), self.loss_factor * k
+            row, lossy = terms.stretch.get(label, terms.row(label)), self.loss_factor * k
             beside_a_spring(terms, row, lossy, (BAND_HZ, ELEMENTS), STIFFNESS_AT_HZ)
 
 

@@ -8,6 +8,7 @@ from typing import Any, Literal
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.truth import NotNegative, Positive
 
 __all__ = ["OF_FILE", "ReleasedJoint"]
@@ -27,14 +28,18 @@ class ReleasedJoint(BaseEffect):
         return assembly.replaced(replace(assembly.joint(self.joint), spring=spring))
 
 
-def released(joint: str, own: FileEffect) -> dict[str, Any]:
-    """Table of a joint with the compliance of an effect of the file."""
-    return {"kind": "released_joint", "joint": joint} | own.spring("compliance_of")
+def released(joint: str, own: FileEffect) -> list[dict[str, Any]]:
+    """Tables of a joint with the compliance of an effect of the file, and what it loses."""
+    spring = own.spring("compliance_of")
+    losses = loss_of_file(
+        own.sizes.get("bearing_loss_factor", 0.0), {joint: spring["stiffness_n_m_per_rad"]}
+    )
+    return [{"kind": "released_joint", "joint": joint} | spring, *losses]
 
 
 def _of_file(own: FileEffect) -> Twin:
     place = own.effect.place
-    return Twin(tables=[released(place, own)], replaces=[("released_joint", place)])
+    return Twin(tables=released(place, own), replaces=[("released_joint", place)])
 
 
 OF_FILE = {"released_joint": _of_file}

@@ -58,7 +58,8 @@ def _of_file(own: FileEffect) -> Twin:
         "driven": driven,
         "ratio": own.sizes["wrist_ratio"],
     }
-    return Twin(tables=[released(driven, own), gears], replaces=[("released_joint", driven)])
+    spring, *losses = released(driven, own)
+    return Twin(tables=[spring, gears, *losses], replaces=[("released_joint", driven)])
 
 
 OF_FILE = {"wrist_coupling": _of_file}

@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_factor_parameter
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.model.assembly import BASE, Assembly, spatial_inertia
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import skew
+from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.soft_parts import BASE_WAYS
 from armodal.analyzer.gap.model.space import Parameter
@@ -65,8 +66,6 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.columns[i] = column
         assembly.motion_of[pivot] = list(zip(at, turned @ lower, strict=True))
         assembly.motion_of[turn] = list(zip(at, across @ rocking, strict=True))
-        ways = [assembly.names[name] for name in names]
-        assembly.add_loss_factor(ways, values[factor], factor)
         center = np.array([values[name] for name in (*aside, height)])
         here, slopes = _inertia(values[mass], center, values[radius])
         assembly.base_inertia = assembly.base_inertia + here
@@ -116,9 +115,8 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     low=-_ANY_TURN,
                     high=_ANY_TURN,
                 ),
-                loss_factor_parameter(factor),
             ),
-            relaxes=relaxes,
+            relaxes=relaxes | {factor: loss_factor_parameter(factor)},  # as it was, but told
             builder=build,
             describe=describe,
             size=names[3],

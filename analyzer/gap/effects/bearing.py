@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.gap.effects import link_axis
-from armodal.analyzer.gap.effects.compliance import compliance_parameter, loss_factor_parameter
-from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -38,15 +38,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         relaxed: dict[str, Parameter] = {
             name: replace(wide, name=name, start=ordinary.bearing_limit(link)) for name in names
         }
-
-        def build(
-            assembly: Assembly,
-            values: Mapping[str, float],
-            names: Sequence[str] = tuple(names),
-            factor: str = factor,
-        ) -> None:
-            at = [assembly.names[name] for name in names]
-            assembly.add_loss_factor(at, values[factor], factor)
+        relaxed[factor] = loss_factor_parameter(factor)  # as it was, but told with the effect
 
         def alternatives(
             values: Mapping[str, float], link: int = link, names: Sequence[str] = tuple(names)
@@ -68,8 +60,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             Instance(
                 effect=WORDS,
                 place=joint.name,
-                parameters=(loss_factor_parameter(factor),),
-                builder=build,
+                is_term=True,
                 describe=describe,
                 relaxes=relaxed,
                 alternatives=alternatives,

@@ -19,9 +19,9 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.effects.compliance import loss_parameter
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
+from armodal.analyzer.gap.model.interface import loss_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 

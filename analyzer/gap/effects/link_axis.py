@@ -8,15 +8,12 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.effects.compliance import (
-    compliance_parameter,
-    loss_factor_parameter,
-    loss_parameter,
-)
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
 from armodal.analyzer.gap.model.lines_in_links import LineInLink, described_line
 from armodal.analyzer.gap.model.long_links import LongLink, long_links, span_m
 from armodal.analyzer.gap.model.ordinary import Ordinary

@@ -8,15 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import scipy.special
 
-from armodal.analyzer.gap.effects.compliance import (
-    compliance_parameter,
-    loss_factor_parameter,
-    loss_parameter,
-)
+from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.link_axis import at_axis, splits
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.geometry import across
+from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
 from armodal.analyzer.gap.model.long_links import LongLink, long_links
 from armodal.analyzer.gap.model.priors import (
     BASE_LEVER,
@@ -28,8 +29,6 @@ from armodal.analyzer.gap.model.priors import (
     FLOOR_LIMIT,
     FLOOR_MEAN,
     FLOOR_STD,
-    INTERFACE_LOSS_MEAN_S,
-    INTERFACE_LOSS_STD_S,
     NEAR_M,
     SHIFT_STDS,
 )
@@ -59,31 +58,33 @@ def soft_part_parameters(superset: Superset) -> Iterator[Parameter]:
         unit = scale(superset, line.link)
         for way in _BEND_WAYS:
             yield _small(f"bend {way} {line.name}", unit, BEND_MEAN, BEND_STD, BEND_LIMIT)
-        yield _loss(f"bend loss {line.name}")
+        yield from _losses("bend loss", line.name)
 
 
 def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, float]) -> None:
     """Add the coordinates that give way, at these values of the parameters."""
+
+    def add(name: str, column: Array, losses: tuple[str, str]) -> int:
+        loss, factor = losses
+        at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+        assembly.add_loss_factor([at], values[factor], factor)
+        return at
+
     for number, joint in enumerate(superset.arm.joints):
-        loss = f"bearing loss {joint.name}"
+        losses = _loss_names("bearing loss", joint.name)
         for name, column in _bearing(superset, number):
-            assembly.add_compliance(column, values[name], values[loss], name, loss)
+            add(name, column, losses)
         place = f"bearing place {joint.name}"
         for side, (tilt, moved) in zip("ab", _tilts(superset)[number], strict=True):
-            name = f"bearing {side} {joint.name}"
-            column = tilt + values[place] * moved
-            at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+            at = add(f"bearing {side} {joint.name}", tilt + values[place] * moved, losses)
             assembly.motion_of.setdefault(place, []).append((at, moved))
     for line, columns, inside in _bends(superset):
-        loss = f"bend loss {line.name}"
+        losses = _loss_names("bend loss", line.name)
         for way, column in zip(_BEND_WAYS, columns, strict=True):
-            name = f"bend {way} {line.name}"
-            at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+            at = add(f"bend {way} {line.name}", column, losses)
             assembly.inside[at] = inside
     for i, way in enumerate(BASE_WAYS):
-        name = f"base {way}"
-        column = assembly.unit(i)
-        assembly.add_compliance(column, values[name], values["base loss"], name, "base loss")
+        add(f"base {way}", assembly.unit(i), _loss_names("base loss"))
 
 
 def _of_base(superset: Superset) -> Iterator[Parameter]:
@@ -92,7 +93,7 @@ def _of_base(superset: Superset) -> Iterator[Parameter]:
     for way in BASE_WAYS:
         unit, of = (shifts, "m/N") if way.startswith("shift") else (rocks, "rad/(N m)")
         yield _small(f"base {way}", unit, FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT, unit=of)
-    yield _loss("base loss")
+    yield from _losses("base loss")
 
 
 def _of_bearing(superset: Superset, number: int) -> Iterator[Parameter]:
@@ -101,7 +102,7 @@ def _of_bearing(superset: Superset, number: int) -> Iterator[Parameter]:
         yield _small(
             f"bearing {side} {joint.name}", tilts, BEARING_MEAN, BEARING_STD, BEARING_LIMIT
         )
-    yield _loss(f"bearing loss {joint.name}")
+    yield from _losses("bearing loss", joint.name)
     std_m = NEAR_M + 0.5 * _reach_along(superset, number)
     yield Parameter(name=f"bearing place {joint.name}", unit="m", mean=0.0, std=std_m)
     shifts = tilts * (BEARING_LEVER * reach_m(superset)) ** 2
@@ -120,10 +121,16 @@ def _small(
     return Parameter(name=name, unit=unit, mean=mean * of, std=std * of, low=0.0, high=limit * of)
 
 
-def _loss(name: str) -> Parameter:
-    return Parameter(
-        name=name, unit="s", mean=INTERFACE_LOSS_MEAN_S, std=INTERFACE_LOSS_STD_S, low=0.0
-    )
+def _losses(loss: str, where: str = "") -> Iterator[Parameter]:
+    """Both of them."""
+    grows, factor = _loss_names(loss, where)
+    yield loss_parameter(grows)
+    yield loss_factor_parameter(factor)
+
+
+def _loss_names(loss: str, where: str = "") -> tuple[str, str]:
+    """Of a loss that grows with frequency, and of one that does not."""
+    return f"{loss} {where}".rstrip(), f"{loss} factor {where}".rstrip()
 
 
 def _reach_along(superset: Superset, number: int) -> float:

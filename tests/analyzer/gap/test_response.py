@@ -11,6 +11,7 @@ from armodal.analyzer.arm.reduced import reduce_model
 from armodal.analyzer.arm.structure import believed_structure
 from armodal.analyzer.gap.effects import channel_gain, link_axis, sensor_axes, wrong_point
 from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.model.dynamic_stiffness import resists
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.posed import Postures
 
@@ -216,7 +217,7 @@ def test_the_equations_are_reciprocal(lines, ordinary, posed):
     system = found.system
     scale = np.where(
         np.isfinite(system.compliance[0]),
-        system.compliance[0] / (1.0 + lines.s_rad_s[:, None] * system.compliance_loss_s[0]),
+        system.compliance[0] / resists(system, lines.s_rad_s[None])[0],
         1.0,
     )
     H = found.inner[0] * scale[:, None, :]
