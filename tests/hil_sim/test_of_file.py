@@ -28,8 +28,8 @@ POSTURES = np.array([[0.2, 0.4, 1.1, -0.5, 0.6, 0.3], [-0.4, -0.3, 0.8, 0.2, 1.0
 BELOW_HZ = 120.0
 # By how much both may differ in frequency and damping ratio, relative, and why.
 SAME = (1e-5, 1e-4)  # the same equations, by other recursions
-# Of what a bearing loses a file tells a factor, Maxwell elements here. No file tells what grows with
-# frequency: that moves |pole| by its damping ratio squared.
+# Of what a bearing loses a file tells a factor, Maxwell elements here. What grows with frequency no
+# file tells: that moves |pole| by its damping ratio squared.
 LOSS_TOLD_IN_PART = (5e-3, None)
 AGREES = {
     "link_axis": SAME,
