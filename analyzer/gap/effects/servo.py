@@ -35,7 +35,7 @@ _MATERIAL = 0.05  # servo compliance over the joint's
 # Its part of the joint's compliance, its rotor and its lag, of what is typical, where a fit may
 # begin: of no size at all it changes nothing, and a loop whose delay outweighs its damping is on
 # the other side of one that damps.
-_PARTS, _ROTORS, _LAGS = (0.2,), (0.15, 0.5, 1.5, 5.0), (0.5, 0.0, -0.2)
+_PARTS, _ROTORS, _LAGS = (0.2,), (0.15, 0.5, 1.5, 5.0), (0.5, -0.2)
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -3,7 +3,7 @@
 A linear look about no size is blind to them: a servo of no compliance is none, and of little it is
 a part of the joint's own. What a beginning of some size leaves is looked at instead: first how much
 of it ordinary errors can follow along the derivatives of the model without the effect, which costs
-a quarter; then, for the best of each place, the quadratic there.
+a quarter; then, for the best of each place and shape, the quadratic there.
 """
 
 from __future__ import annotations
@@ -26,9 +26,10 @@ LEADING = 2  # places and beginnings that a fit follows
 def promising_beginnings(
     stage: Stage, about: Fit, instances: Sequence[Instance]
 ) -> list[tuple[Instance, list[tuple[float, Mapping[str, float]]]]]:
-    """Return each instance with its best beginnings and the cost they promise to take off.
+    """Return each instance with its beginnings and the cost they promise to take off, best first.
 
-    Best first. The best has more than one: what promises most may lead back to none.
+    What costs least where a fit begins may promise nothing, so every shape is asked for its promise
+    where it begins best: what promises most may lead back to none, and the next not.
 
     Parameters
     ----------
@@ -44,25 +45,23 @@ def promising_beginnings(
         return []
     present = fit_hypothesis(stage, about.hypothesis, resumed=about, max_iterations=0)
     found: list[tuple[Instance, list[tuple[float, Mapping[str, float]]]]] = []
-    others: list[Sequence[Mapping[str, float]]] = []
     for instance, beginnings in blind:
-        followed: list[tuple[float, Mapping[str, float]]] = []
+        best: dict[tuple[float, ...], tuple[float, Mapping[str, float]]] = {}
         for begin in beginnings(present.values):
             try:
-                followed.append((_followed(stage, present, instance, begin), begin))
+                here = _followed(stage, present, instance, begin), begin
             except np.linalg.LinAlgError:
                 continue
-        if not followed:
-            continue
-        first, *rest = (begin for _, begin in sorted(followed, key=lambda entry: -entry[0]))
-        found.append((instance, [(_promised(stage, present, instance, first), first)]))
-        others.append(rest)
-    order = sorted(range(len(found)), key=lambda k: -found[k][1][0][0])
-    for k in order[:LEADING]:
-        instance, looked = found[k]
-        looked += [(_promised(stage, present, instance, b), b) for b in others[k][: LEADING - 1]]
-        looked.sort(key=lambda entry: -entry[0])
-    return sorted((found[k] for k in order), key=lambda entry: -entry[1][0][0])
+            shape = tuple(begin[name] for name in instance.shapes)
+            best[shape] = max(best.get(shape, here), here, key=_first)
+        looked = [(_promised(stage, present, instance, begin), begin) for _, begin in best.values()]
+        if looked:
+            found.append((instance, sorted(looked, key=_first, reverse=True)))
+    return sorted(found, key=lambda entry: entry[1][0][0], reverse=True)
+
+
+def _first(entry: tuple[float, Mapping[str, float]]) -> float:
+    return entry[0]
 
 
 def _promised(stage: Stage, present: Fit, instance: Instance, begin: Mapping[str, float]) -> float:

@@ -296,7 +296,9 @@ def _begun(
     present = about.hypothesis
     richer = replace(present, instances=(*present.instances, candidate.instance))
     values = about.values
-    starting_points: list[Mapping[str, float]] = [values, start]
+    # Of no size, but with the shape that promises most: of another it may promise nothing.
+    nothing = _part_of_the_way(values, candidate, 0.0) if candidate.begin else values
+    starting_points: list[Mapping[str, float]] = [nothing, start]
     if candidate.begin:
         starting_points += [_part_of_the_way(values, candidate, part) for part in _PARTS]
     if candidate.instance.initial_values is not None:
@@ -306,8 +308,8 @@ def _begun(
     fits = [race.fit(richer, start=best)]
     if own_too and _has_own_start(candidate.instance):
         fits.append(race.to_its_end(race.fit(richer, start=start)))
-    elif own_too and best is not values:
-        fits.append(race.fit(richer, start=values))
+    elif own_too and best is not nothing:
+        fits.append(race.fit(richer, start=nothing))
     return min(fits, key=lambda fit: fit.evidence)
 
 
