@@ -297,8 +297,10 @@ def _begun(
     richer = replace(present, instances=(*present.instances, candidate.instance))
     values = about.values
     # Of no size, but with the shape that promises most: of another it may promise nothing.
-    nothing = _part_of_the_way(values, candidate, 0.0) if candidate.begin else values
-    starting_points: list[Mapping[str, float]] = [nothing, start]
+    sizes = (candidate.instance.size, *candidate.instance.sizes)
+    shape = {n: v for n, v in candidate.begin.items() if n not in values and n not in sizes}
+    nothing = {**values, **shape}
+    starting_points: list[Mapping[str, float]] = [nothing, {**shape, **start}]
     if candidate.begin:
         starting_points += [_part_of_the_way(values, candidate, part) for part in _PARTS]
     if candidate.instance.initial_values is not None:
