@@ -30,9 +30,11 @@ def worker_processes(workers: int) -> Iterator[Executor]:
         _start_all(executor, workers)
         yield executor
     except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
         for process in set(active_children()) - others:
             process.terminate()
+        # Without them this is done at once. A thread of the executor's that were still at it would
+        # meet the interpreter's end, and now and then write to a pipe that is closed.
+        executor.shutdown(cancel_futures=True)
         raise
     executor.shutdown()
 
