@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import permutations, zip_longest
 
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
-from armodal.analyzer.gap.decision.matters import matters
+from armodal.analyzer.gap.decision.matters import is_material, matters
 from armodal.analyzer.gap.decision.mounting_share import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
@@ -80,7 +80,7 @@ def judge(
         if present.evidence - r.evidence > calibration.limit(r.last.effect.name)
         and is_shared(stage, present, r)
     ]
-    material = [r for r in clear if r.last.is_material(r.values)]
+    material = [r for r in clear if is_material(r, r.last, phi)]
     # What is small as such, but most of what is missing, where nothing larger is clear.
     material = material or [r for r in clear if matters(stage, present, r, r.last, phi)]
     if not material:
@@ -94,7 +94,7 @@ def judge(
         and r.evidence - best.evidence < apart
         and not _same(best, r)
         and not _at_an_end(r, best, phi)
-        and not _is_no_more_than(r, best, apart)
+        and not _is_no_more_than(r, best, apart, phi)
     ]
     if beside:
         return replace(nothing, standing=(best, *beside))
@@ -169,12 +169,12 @@ def ends_alike(one: Instance, other: Instance) -> bool:
     return one.place.split(" and ")[-1] == other.place.split(" and ")[-1]
 
 
-def _is_no_more_than(rival: Fit, best: Fit, apart: float) -> bool:
+def _is_no_more_than(rival: Fit, best: Fit, apart: float, phi: float) -> bool:
     """Whether a rival holds the best inside it, and nothing else that matters or is told."""
     a, b = rival.last, best.last
     inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
     told = best.evidence - rival.evidence > apart
-    return inside and not told and not a.is_material(rival.values)
+    return inside and not told and not is_material(rival, a, phi)
 
 
 def _at_an_end(inside: Fit, end: Fit, phi: float) -> bool:

@@ -7,10 +7,24 @@ from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.model.effect import Instance
 
-__all__ = ["MOST", "matters"]
+__all__ = ["MOST", "is_material", "matters"]
 
 _MOVED = 0.05  # of a joint's stiffness: as much compliance as makes a joint a released one
 MOST = 0.5  # of a misfit: what explains as much explains more than all others together
+
+
+def is_material(fit: Fit, instance: Instance, phi: float) -> bool:
+    """Whether an effect's size is worth a name: of several parts the largest that the data tell.
+
+    A point's place off by 2 cm +- 8 along a way that no hit tells is off by nothing there.
+    """
+    told = [
+        name
+        for name, own in intervals(fit, instance.sizes, phi).items()
+        if not own.low <= 0.0 <= own.high
+    ]
+    untold = {name: 0.0 for name in instance.sizes if told and name not in told}
+    return instance.is_material({**fit.values, **untold})
 
 
 def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance, phi: float) -> bool:
@@ -20,7 +34,7 @@ def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance, phi: float
     hits hardly move anything else, the misfit tells it better, or a joint's stiffness that would be
     told wrongly without it.
     """
-    if instance.is_material(fit.values) or _moves_stiffness(without, fit, phi):
+    if is_material(fit, instance, phi) or _moves_stiffness(without, fit, phi):
         return True
     return misfit_per_line(stage, fit) < (1.0 - MOST) * misfit_per_line(stage, without)
 

@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.gap.effects import link_axis
-from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.effects.compliance import bearing_loss, compliance_parameter
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import across
-from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -33,12 +32,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     found = []
     for link, joint in enumerate(ordinary.arm.joints):
         names = [f"bearing {side} {joint.name}" for side in "ab"]
-        factor = f"bearing loss factor {joint.name}"
         wide = compliance_parameter("", ordinary, link)
         relaxed: dict[str, Parameter] = {
             name: replace(wide, name=name, start=ordinary.bearing_limit(link)) for name in names
         }
-        relaxed[factor] = loss_factor_parameter(factor)  # as it was, but told with the effect
 
         def alternatives(
             values: Mapping[str, float], link: int = link, names: Sequence[str] = tuple(names)
@@ -62,7 +59,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 place=joint.name,
                 is_term=True,
                 describe=describe,
-                relaxes=relaxed,
+                relaxes=relaxed | bearing_loss(joint.name),
                 alternatives=alternatives,
                 size=names[0],
                 sizes=tuple(names),

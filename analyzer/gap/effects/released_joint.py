@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.effects.compliance import bearing_loss, compliance_parameter
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
@@ -31,14 +30,13 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             continue
         name = f"compliance of {joint.name}"
         wide = compliance_parameter(name, ordinary, number)
-        factor = f"bearing loss factor {joint.name}"
         found.append(
             Instance(
                 effect=WORDS,
                 place=joint.name,
                 relaxes={
                     name: replace(wide, start=ordinary.scale(number)),
-                    factor: loss_factor_parameter(factor),  # as it was, but told with the effect
+                    **bearing_loss(joint.name),
                 },
                 size=name,
                 material=_MATERIAL * ordinary.scale(number),

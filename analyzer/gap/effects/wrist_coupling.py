@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.effects.compliance import bearing_loss, compliance_parameter
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -45,7 +44,6 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
     """
     a, b = ordinary.arm.joints[driver].name, ordinary.arm.joints[driven].name
     name, own = f"wrist ratio {a} {b}", f"compliance of {b}"
-    factor = f"bearing loss factor {b}"
     column = ordinary.superset.joint_column(driven)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -65,10 +63,7 @@ def _through(ordinary: Ordinary, driver: int, driven: int) -> Instance:
         effect=WORDS,
         place=f"{a} and {b}",
         parameters=(Parameter(name=name, unit="", mean=0.0, std=_STD),),
-        relaxes={
-            own: compliance_parameter(own, ordinary, driven),
-            factor: loss_factor_parameter(factor),  # as it was, but told with the effect
-        },
+        relaxes={own: compliance_parameter(own, ordinary, driven), **bearing_loss(b)},
         builder=build,
         alternatives=alternatives,
         size=name,

@@ -15,7 +15,6 @@ from armodal.analyzer.gap.decision.judge import (
     judge,
     one_mechanism,
 )
-from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.decision.naming import judge_round
 from armodal.analyzer.gap.effects import (
     absorber,
@@ -382,18 +381,3 @@ def test_an_axis_that_turns_about_two_joints_where_they_meet_is_their_coupling(
     assert line.is_also(values, of_both) is couples
     other = Instance(effect=coupling.WORDS, place=f"{ordinary.arm.joints[3].name} and {joint.name}")
     assert not line.is_also(values, other)
-
-
-@pytest.mark.parametrize(
-    ("std", "moved", "told"), [(0.01, 0.06, True), (0.01, 0.03, False), (0.1, 0.06, False)]
-)
-def test_a_small_effect_matters_where_a_joint_would_be_told_wrongly_without_it(std, moved, told):
-    """By a twentieth, and beyond the interval that it has without."""
-    stage = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
-    space = Space([Parameter(name="ln k j", unit="", mean=9.0, std=std)])
-    hypothesis = Hypothesis(ordinary=None)
-    small = Instance(effect=nonproportional.WORDS, place="floor and l", size="d", material=1.0)
-    space_with = space.with_changes({}, [Parameter(name="d", unit="N s/m", mean=0.0, std=1.0)])
-    without = made_fit(hypothesis, cost=100.0, space=space, u=[0.0])
-    fit = made_fit(hypothesis, cost=90.0, space=space_with, u=[moved / std, 0.5])
-    assert matters(stage, without, fit, small, 1.0) is told
