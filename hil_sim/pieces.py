@@ -20,11 +20,12 @@ def sliced(
     link: str,
     ends_m: tuple[Array, Array],
     directions: tuple[Array, ...],
-    springs: Sequence[Spring],
+    springs: Sequence[Sequence[Spring]],
     word: str,
 ) -> Assembly:
-    """Cut a link in the middles of equal lengths, one a spring, by a hinge along each direction.
+    """Cut a link in the middles of equal lengths by a hinge along each direction.
 
+    `springs` of each cut, one a direction.
     The pieces at both ends are half as long and heavy as the others. Straight, they have together
     the mass, centre and inertia of the link. A test point rides on the piece it stands beside.
     """
@@ -50,7 +51,7 @@ def sliced(
                 label,
                 hinge_m=place,
                 axis=direction,
-                spring=springs[i - 1],
+                spring=springs[i - 1][way],
                 before=parts[i - 1] if way == 0 else Inertial(),
                 after=parts[i] if is_last else Inertial(),
                 points_before=before if way == 0 else (),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
 
 from armodal.hil_sim.assembly import Assembly
 from armodal.hil_sim.effects.bearing import across
-from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
 from armodal.hil_sim.effects.sliced_link import SlicedLink, slices_of_file
-from armodal.hil_sim.truth import Positive
+from armodal.hil_sim.truth import Positive, Vector
 
 __all__ = ["OF_FILE", "Bending"]
 
@@ -18,19 +21,40 @@ _WORD = "bend"  # in the names of its hinges
 class Bending(SlicedLink):
     """Pieces hinged both ways across the line.
 
-    With EI n / L at each of n cuts the tip of a cantilever gives L^3 / 3 EI (1 - 1 / 4 n^2).
+    With EI n / L at each of n cuts the tip of a cantilever gives L^3 / 3 EI (1 - 1 / 4 n^2). The
+    stiffness told is that of the mean yield about two directions across.
     """
 
     kind: Literal["bending"]
     bending_stiffness_n_m2: Positive
+    softest_about: Vector | None = None  # across the line; None: as soft about all
+    softest_over_stiffest: Annotated[float, Field(ge=1.0)] = 1.0
 
     def assemble(self, assembly: Assembly) -> Assembly:
         """Cut the link across its line, again and again."""
-        return self.hinged(assembly, self.bending_stiffness_n_m2, across(self.along), _WORD)
+        directions = across(self.along)
+        if self.softest_about is not None:
+            soft = np.array(self.softest_about)
+            soft = soft - self.along * (self.along @ soft)
+            soft /= np.linalg.norm(soft)
+            directions = soft, np.cross(self.along, soft)
+        first, second = _softer(self.softest_over_stiffest)
+        k = self.bending_stiffness_n_m2
+        return self.hinged(assembly, (k / first, k / second), directions, _WORD)
+
+
+def _softer(ratio: float) -> tuple[float, float]:
+    """Yields about both directions over their mean."""
+    return 2.0 * ratio / (1.0 + ratio), 2.0 / (1.0 + ratio)
 
 
 def _of_file(own: FileEffect) -> Twin:
-    return slices_of_file(own, "bending", "bending_stiffness_n_m2", _WORD, ways=2)
+    told, more, ratio = own.effect.description, {}, 1.0
+    if "softest_about" in told:
+        ratio = float(str(told["softest_over_stiffest"]))
+        about = own.turned[own.effect.place] @ three(told["softest_about"])
+        more = {"softest_about": tuple(about), "softest_over_stiffest": ratio}
+    return slices_of_file(own, "bending", "bending_stiffness_n_m2", _WORD, _softer(ratio), **more)
 
 
 OF_FILE = {"link_bending": _of_file}

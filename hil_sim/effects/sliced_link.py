@@ -51,22 +51,34 @@ class SlicedLink(BaseEffect):
         return np.asarray(line / np.linalg.norm(line))
 
     def hinged(
-        self, assembly: Assembly, stiffness_n_m2: float, directions: tuple[Array, ...], word: str
+        self,
+        assembly: Assembly,
+        stiffnesses_n_m2: tuple[float, ...],
+        directions: tuple[Array, ...],
+        word: str,
     ) -> Assembly:
-        """Cut the link again and again, by a hinge along each direction."""
+        """Cut the link again and again, by a hinge along each direction, each with its own."""
         start, end = np.array(self.from_m), np.array(self.to_m)
-        whole_k = stiffness_n_m2 / float(np.linalg.norm(end - start))
+        whole_k = np.array(stiffnesses_n_m2) / float(np.linalg.norm(end - start))
         softness = np.array(self.softness or np.ones(self.cuts))
-        each_k = whole_k * softness.sum() / softness
-        springs = [Spring(k=k, c=k * self.loss) for k in each_k.tolist()]
+        each_k = np.outer(softness.sum() / softness, whole_k)
+        springs = [[Spring(k=k, c=k * self.loss) for k in cut] for cut in each_k.tolist()]
         return sliced(assembly, self.link, (start, end), directions, springs, word)
 
 
-def slices_of_file(own: FileEffect, kind: str, stiffness: str, word: str, ways: int) -> Twin:
+def slices_of_file(
+    own: FileEffect,
+    kind: str,
+    stiffness: str,
+    word: str,
+    softer: tuple[float, ...] = (1.0,),
+    **more: object,
+) -> Twin:
     """A link that bends or twists along its line; where none is told, along that to the next joint.
 
     `taper` is ln of softness at the line's end over that at its start, `middle` that at half its
-    length over that of both ends. Each cut has hinges of `word`, one or two `ways`.
+    length over that of both ends. Each cut has hinges of `word`, so much `softer` than the told
+    stiffness each; `more` stands in the table.
     """
     names = [joint.link.name for joint in own.arm.joints]
     link, told = own.effect.place, own.effect.description
@@ -89,12 +101,13 @@ def slices_of_file(own: FileEffect, kind: str, stiffness: str, word: str, ways: 
         "softness": tuple(softness.tolist()),
         "loss": own.sizes.get(f"{kind}_loss", 0.0),
         stiffness: 1.0 / own.sizes[f"{kind}_compliance"],
+        **more,
     }
     whole_k = 1.0 / (own.sizes[f"{kind}_compliance"] * float(np.linalg.norm(end - start)))
     hinges = {
-        slice_label(word, i, way, link): float(whole_k * softness.sum() / soft)
+        slice_label(word, i, way, link): float(whole_k * softness.sum() / soft / by)
         for i, soft in enumerate(softness, 1)
-        for way in range(1, ways + 1)
+        for way, by in enumerate(softer, 1)
     }
     lossy = loss_of_file(own.sizes.get(f"{kind}_loss_factor", 0.0), hinges)
     return Twin(tables=[table, *lossy])

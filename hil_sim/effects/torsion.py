@@ -22,11 +22,11 @@ class Torsion(SlicedLink):
 
     def assemble(self, assembly: Assembly) -> Assembly:
         """Cut the link along its line, again and again."""
-        return self.hinged(assembly, self.torsional_stiffness_n_m2, (self.along,), _WORD)
+        return self.hinged(assembly, (self.torsional_stiffness_n_m2,), (self.along,), _WORD)
 
 
 def _of_file(own: FileEffect) -> Twin:
-    return slices_of_file(own, "torsion", "torsional_stiffness_n_m2", _WORD, ways=1)
+    return slices_of_file(own, "torsion", "torsional_stiffness_n_m2", _WORD)
 
 
 OF_FILE = {"link_torsion": _of_file}

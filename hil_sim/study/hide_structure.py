@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from armodal.hil_sim.effects.hidden import Hidden, about, hidden, loss_s, plain, unit
@@ -25,6 +27,8 @@ ROCKING = 0.08
 SHIFT_M2 = 2.5e-3  # m / N per rad / N m
 BENDING = 0.15  # of the whole link
 TORSION = 0.8
+CUTS = 8  # of a link: none where one of two to four points stands, and its tip is right to 0.4 %
+FLATTEST = 4.0  # how much softer a link is about one direction than about the other
 
 Rng = np.random.Generator
 
@@ -114,8 +118,14 @@ def base(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
 
 
 def link_bending(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
-    """A long link that bends all along, both ways."""
-    return _all_along("bending", "bending_stiffness_n_m2", BENDING * magnitude, places, rng)
+    """A long link that bends all along, more easily about one direction than about the other."""
+    made = _all_along("bending", "bending_stiffness_n_m2", BENDING * magnitude, places, rng)
+    table = {
+        **made.tables[0],
+        "softest_about": plain(unit(rng)),
+        "softest_over_stiffest": float(np.exp(rng.uniform(0.0, np.log(FLATTEST)))),
+    }
+    return replace(made, tables=[table])
 
 
 def link_torsion(places: ArmPlaces, rng: Rng, magnitude: float) -> Hidden:
@@ -133,6 +143,7 @@ def _all_along(kind: str, key: str, part: float, places: ArmPlaces, rng: Rng) ->
         "link": link,
         "from_m": plain(start),
         "to_m": plain(end),
+        "cuts": CUTS,
         key: stiffness,
         "loss": loss_s(rng),
     }
@@ -140,6 +151,5 @@ def _all_along(kind: str, key: str, part: float, places: ArmPlaces, rng: Rng) ->
 
 
 def _long_link(places: ArmPlaces, rng: Rng) -> str:
-    """One of the two longest links whose bending can be seen."""
-    by_length = sorted(places.structural(), key=lambda n: -float(np.linalg.norm(places.reach(n))))
-    return str(rng.choice(by_length[:2]))
+    """One of the two links that are most longer than wide."""
+    return str(rng.choice(sorted(places.structural(), key=places.longer_than_wide)[-2:]))

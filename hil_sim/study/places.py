@@ -88,33 +88,44 @@ class ArmPlaces:
         return place
 
     def reach(self, link: str) -> Array:
-        """(3,) from a link's joint to the next, or to twice its centre where it is the last."""
+        """(3,) from a link's joint to the next; of the last, to its centre."""
         names = list(self.links)
         after = names.index(link) + 1
-        if after < len(names):
-            result = np.array(self.links[names[after]]["origin_m"])
-            if np.linalg.norm(result) > 0.05:
-                return result
-        return 2.0 * np.array(self.links[link]["center_m"])
+        if after == len(names):
+            return np.array(self.links[link]["center_m"])
+        return np.array(self.links[names[after]]["origin_m"])
 
     def tube(self, link: str) -> tuple[Array, Array]:
-        """(3,) ends of a casting, beside its joint and the next: a rod turns easiest about itself.
+        """(3,) root and tip of a casting, as whoever marked its points saw it.
 
-        One as wide as long goes from joint to joint. What carries the next joint where its own
-        stands, as in a wrist, comes from the other side.
+        They are spread evenly along that axis of the link's frame along which it is long: it goes
+        half a step beyond the first and the last, and lies in their middle. Its root is on the side
+        of the joint before.
         """
-        reach, own = self.reach(link), self.links[link]
-        root = np.zeros(3)
-        if link != list(self.links)[-1] and np.allclose(reach, 2.0 * np.array(own["center_m"])):
-            root, reach = reach, -reach
-        xx, xy, xz, yy, yz, zz = own["inertia_kg_m2"]
-        turned, ways = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        way = ways[:, 0]
-        if turned[0] > 0.6 * turned[1] or (way @ reach) ** 2 < 0.6 * (reach @ reach):
-            return root, root + reach
-        center = np.array(own["center_m"])
-        start = center - (way @ (center - root)) * way
-        return start, start + (way @ reach) * way
+        marked, along = self._marked(link)
+        first, last = marked[:, along].min(), marked[:, along].max()
+        half_step = (last - first) / (2.0 * (len(marked) - 1))
+        ends = np.tile(marked.mean(axis=0), (2, 1))
+        ends[:, along] = first - half_step, last + half_step
+        ends = ends @ self.rotation[link].T
+        root, tip = sorted(ends, key=lambda end: float(np.linalg.norm(end + self._origin(link))))
+        return root, tip
+
+    def _origin(self, link: str) -> Array:
+        """(3,) from the joint before to a link's own."""
+        return np.array(self.links[link]["origin_m"])
+
+    def longer_than_wide(self, link: str) -> float:
+        """By how many m the points of a casting reach farther along it than across."""
+        marked, along = self._marked(link)
+        spread = np.ptp(marked, axis=0)
+        return float(spread[along] - np.delete(spread, along).max())
+
+    def _marked(self, link: str) -> tuple[Array, int]:
+        """(n, 3) points in the arm file's frame of the link, and the axis they reach far along."""
+        points = [point["position_m"] for point in self.points[link]]
+        marked: Array = np.array(points) @ self.rotation[link]
+        return marked, int(np.argmax(np.ptp(marked, axis=0)))
 
     def carried(self, joint: str) -> float:
         """Inertia that a joint carries in the first posture, kg m^2."""

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-import numpy.typing as npt
-
 from armodal.analyzer.gap.effects.long_link import given_way
+from armodal.analyzer.gap.effects.yielding_line import across_the_line
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.geometry import across
-from armodal.analyzer.gap.model.long_links import LongLink, long_links
+from armodal.analyzer.gap.model.long_links import long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 
 __all__ = ["WORDS", "instances"]
-
-Array = npt.NDArray[np.float64]
 
 WORDS = EffectWords(
     name="link_bending",
@@ -30,10 +25,6 @@ _MATERIAL = 0.012  # of the arm's compliance, root to tip
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each long link."""
     return tuple(
-        given_way(ordinary, line, _both_ways, WORDS, word="bending", material=_MATERIAL)
+        given_way(ordinary, line, across_the_line, WORDS, word="bending", material=_MATERIAL)
         for line in long_links(ordinary.superset)
     )
-
-
-def _both_ways(line: LongLink) -> list[Array]:
-    return list(across(line.along).T)

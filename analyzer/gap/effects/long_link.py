@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -10,9 +11,9 @@ import scipy.special
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.link_axis import at_axis, splits
+from armodal.analyzer.gap.effects.yielding_line import Way, YieldingLine
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
-from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -27,14 +28,13 @@ _SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread ov
 # Where along it a link gives way: ln of its softness at the tip over that at the root, and at the
 # middle over that of the ends.
 _TAPER_STD, _MIDDLE_STD = 1.9, 1.9
-_ASIDE_STD_M = 0.03  # of the line it gives way along, across it
 _START = 0.03  # of the size's deviation: from zero a first step misleads
 
 
 def given_way(
     ordinary: Ordinary,
     line: LongLink,
-    ways: Callable[[LongLink], Sequence[Array]],
+    give: Callable[[LongLink], Sequence[Way]],
     words: EffectWords,
     *,
     word: str,
@@ -43,62 +43,69 @@ def given_way(
     """A link whose compliance each way is spread over its length, 1/EI or 1/GJ.
 
     Castings taper, and flanges stiffen their ends: how much of it is where is a parameter. So is
-    where the line stands: drives and covers draw the centre of mass aside. The link's mass is in
-    pieces between the hinges, spread evenly over a part of its length about its centre, as far as
-    its own inertia allows; points turn with the stretch they stand on.
+    where the line stands, and along which direction: drives and covers draw the centre of mass
+    aside. One that bends does so more easily about one direction than about the other; its size is
+    the mean of both. The link's mass is in pieces between the hinges, spread evenly over a part of
+    its length about its centre, as far as its own inertia allows; points turn with the stretch they
+    stand on.
     """
     gamma, loss, factor, spread, taper, middle = (
         f"{word} {what} {line.name}"
         for what in ("compliance", "loss", "loss factor", "spread", "taper", "middle")
     )
-    aside = [f"{word} aside {letter} {line.name}" for letter in "ab"]
-    directions = ways(line)
+    ways = give(line)
+    yielding = YieldingLine(line=line, ways=ways, word=word)
     columns = ordinary.superset.interface_columns(line.link)
     part = line.length_m / SLICES
-    hinges = []
-    for number, (s, twist) in enumerate(line.twists(directions)):
-        column, by_aside = np.zeros(ordinary.superset.n), np.zeros((2, ordinary.superset.n))
-        column[columns] = twist
-        levers = np.cross(across(line.along).T, twist[3:])
-        by_aside[:, columns] = np.hstack([levers, np.zeros((2, 3))])
-        stretch = s - 0.5 * part, s + 0.5 * part
-        before = 1 + number // len(directions)
-        hinges.append((column, by_aside, line.inside(ordinary.superset, *stretch, before)))
+    insides = [
+        line.inside(ordinary.superset, s - 0.5 * part, s + 0.5 * part, 1 + where)
+        for where, s in enumerate(line.places_m)
+    ]
     edges = np.array([0.0, *line.places_m, line.length_m])
-    shares = np.diff(edges) / line.length_m
+    masses = np.diff(edges) / line.length_m
     middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
 
     body = ordinary.arm.joints[line.link].link
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         # A link that both bends and twists is in the same pieces.
-        offsets = apart(body, line.along, shares, values[spread] * middles)
-        assembly.pieces.setdefault(line.link, (shares, offsets))
+        offsets = apart(body, line.along, masses, values[spread] * middles)
+        assembly.pieces.setdefault(line.link, (masses, offsets))
         parts, by_shape = _parts(values[taper], values[middle])
-        off = np.array([values[name] for name in aside])
-        for number, (column, by_aside, inside) in enumerate(hinges):
-            where = number // len(directions)
-            slopes = line.length_m * by_shape[:, where]
+        shares, by_flat = yielding.shares(values)
+        moving = (*yielding.aside, *yielding.turn)
+        for (where, s), (number, way) in product(enumerate(line.places_m), enumerate(ways)):
+            column = np.zeros((1 + len(moving), ordinary.superset.n))
+            twist, by_moving = yielding.hinge(values, s, way)
+            column[:, columns] = [twist, *by_moving]
+            whole, share = line.length_m * parts[where], shares[number]
+            by_shapes = line.length_m * by_shape[:, where] * share, whole * by_flat[:, number]
             at = assembly.add_compliance(
-                column + off @ by_aside,
+                column[0],
                 values[gamma],
                 values[loss],
                 gamma,
                 loss,
-                part=line.length_m * float(parts[where]),
-                part_slopes=dict(zip((taper, middle), slopes.tolist(), strict=True)),
+                part=float(whole * share),
+                part_slopes=dict(
+                    zip((taper, middle, *yielding.flat), np.hstack(by_shapes).tolist(), strict=True)
+                ),
             )
             assembly.add_loss_factor([at], values[factor], factor)
-            assembly.inside[at] = inside
-            for name, moved in zip(aside, by_aside, strict=True):
+            assembly.inside[at] = insides[where]
+            for name, moved in zip(moving, column[1:], strict=True):
                 assembly.motion_of.setdefault(name, []).append((at, moved))
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
-        """Both ends of the line along which it gives way, in the link's frame."""
-        start = line.start_m + across(line.along) @ [values[name] for name in aside]
-        end = start + line.length_m * line.along
+        """Ends of the line, and about which direction across it is softest; link's frame."""
+        start, end = yielding.ends(values)
         name = ordinary.arm.joints[line.link].link.name
-        return {"link": name, "from_m": start.tolist(), "to_m": end.tolist()}
+        told: dict[str, object] = {"link": name, "from_m": start.tolist(), "to_m": end.tolist()}
+        if yielding.flat:
+            directions, yields = yielding.softest(values)
+            told["softest_about"] = directions[:, 0].tolist()
+            told["softest_over_stiffest"] = float(yields[0] / yields[1])
+        return told
 
     def alternatives(
         values: Mapping[str, float],
@@ -110,24 +117,25 @@ def given_way(
         rest = {k: v for k, v in values.items() if k not in own}
         whole = values[gamma] * line.length_m
         parts, _ = _parts(values[taper], values[middle])
-        at_m = line.length_m * float(parts @ ((np.arange(SLICES) + 0.5) / SLICES))
-        aside_m = across(line.along) @ [values[name] for name in aside]
-        point_m = line.start_m + aside_m + at_m * line.along
+        at = float(parts @ ((np.arange(SLICES) + 0.5) / SLICES))
+        start, end = yielding.ends(values)
+        point_m = start + at * (end - start)
         axes = [
             at_axis(ordinary, line.link, u, point_m, before=points)
-            for u in directions
+            for u in yielding.softest(values)[0].T
             for points in splits(ordinary, line.link)
         ]
         return [(axis, rest | {axis.size: whole}) for axis in axes] + [
             (
-                there := given_way(ordinary, other, ways, words, word=word, material=material),
+                there := given_way(ordinary, other, give, words, word=word, material=material),
                 rest | {there.size: whole / other.length_m},
             )
             for other in long_links(ordinary.superset)
             if abs(other.link - line.link) == 1
         ]
 
-    own = {gamma, loss, factor, spread, taper, middle, *aside}
+    shapes = (spread, taper, middle, *yielding.aside, *yielding.turn, *yielding.flat)
+    own = {gamma, loss, factor, *shapes}
     size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 
     def starting_points(values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
@@ -143,17 +151,14 @@ def given_way(
             Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
             Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD, untold=0.0),
             Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD, untold=0.0),
-            *(
-                Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD_M, untold=0.0)
-                for name in aside
-            ),
+            *yielding.parameters,
         ),
         builder=build,
         describe=describe,
         alternatives=alternatives,
         initial_values=starting_points,
         size=gamma,
-        shapes=(spread, taper, middle, *aside),
+        shapes=shapes,
         pieces=f"hinges {line.name}",
         material=material * ordinary.scale(line.link) / line.length_m,
     )

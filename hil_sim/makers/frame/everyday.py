@@ -13,7 +13,7 @@ import numpy as np
 
 from armodal.hil_sim.makers.arm_table import ArmTable, Array, Inertial
 from armodal.hil_sim.makers.belief import Believed
-from armodal.hil_sim.makers.frame.beams import Section, tube
+from armodal.hil_sim.makers.frame.beams import Section, flattened, tube
 from armodal.hil_sim.makers.frame.parts import Drive, Parts
 from armodal.hil_sim.makers.frame.structure import Complex, Law
 from armodal.hil_sim.makers.shell_points import shell_points
@@ -51,6 +51,7 @@ PLATE_LEVER: Span = (0.4, 1.2)  # root of rocking over shift stiffness, over the
 PLATE_LOSS: Span = (0.02, 0.06)
 MODULUS: Span = (0.85, 1.1)  # of the shells, over the table's
 BEND: Span = (0.0004, 0.004)  # compliance of a whole link over the softest drive's; ribs see to it
+HIGH: Span = (-0.8, 0.8)  # ln of how high a shell is over how wide it is
 SHELL_LOSS: Span = (0.002, 0.01)
 POINT_OFF_M: Span = (0.001, 0.003)
 BLOW_OFF_M: Span = (0.001, 0.0035)
@@ -229,8 +230,10 @@ def _sections(table: ArmTable, softest: float, streams: Streams) -> dict[str, Se
         plain = tube(shell.diameter_m, shell.wall_m, modulus, table.density_kg_m3)
         length = float(np.sum(np.linalg.norm(np.diff(np.array(shell.path), axis=0), axis=1)))
         bend = within(streams("bend", name), BEND) * softest
-        ribbed = length / (plain.second_moment_m4 * bend)
-        sections[name] = replace(plain, youngs_pa=max(modulus, ribbed))
+        ribbed = length / (plain.mean_moment_m4 * bend)
+        high = np.exp(within(streams("high", name), HIGH))
+        box = flattened(plain, float(high), within(streams("roll", name), (0.0, np.pi)))
+        sections[name] = replace(box, youngs_pa=max(modulus, ribbed))
     return sections
 
 

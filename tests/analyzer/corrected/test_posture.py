@@ -18,6 +18,7 @@ from armodal.protocols.errors import ArmError, EstimateError
 
 ARM = load_arm("rv4frl")
 Q = np.array([0.2, 0.4, 1.1, -0.5, 0.6, 0.3])
+SHAPES = tuple(f"{what}_{letter}" for what in ("aside", "turn", "flat") for letter in "ab")
 # The same matrices through eigenvalue solvers: machine epsilon times their condition.
 SAME = 1e-9
 
@@ -151,7 +152,7 @@ def test_modes_near_each_other_stay_two_with_a_loss_factor():
 @pytest.mark.parametrize(
     ("name", "newer"),
     [
-        ("link_bending", ("loss_factor", "taper", "middle", "aside_a", "aside_b")),
+        ("link_bending", ("loss_factor", "taper", "middle", *SHAPES)),
         ("gravity_compensator", ("aside", "stretch", "growth")),
     ],
 )

@@ -20,6 +20,7 @@ from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.hil_sim.study import study_arm
 from armodal.protocols.arm.files import load_arm
 
+WAYS = 3  # directions across about which a bending link has hinges at each place
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
 
 
@@ -210,8 +211,8 @@ def test_under_an_even_moment_points_follow_a_beam_s_parabola(ordinary, lines, p
     values = start_of(hypothesis) | {instance.size: 1e-5}
     system = posed.system(hypothesis, lines, values)
     line = next(x for x in long_links(ordinary.superset) if x.name == "lower_arm")
-    one_way = system.moved[..., -2 * SLICES :: 2].sum(axis=-1)  # (m, 3): a unit at each hinge
-    turned = system.turned[..., -2 * SLICES :: 2].sum(axis=-1)
+    one_way = system.moved[..., -WAYS * SLICES :: WAYS].sum(axis=-1)  # (m, 3): a unit at each hinge
+    turned = system.turned[..., -WAYS * SLICES :: WAYS].sum(axis=-1)
     kappa, checked = SLICES / line.length_m, 0
     for m, point in enumerate(ordinary.arm.points):
         off = point.position_m - (point.position_m @ line.along) * line.along - line.start_m
@@ -234,7 +235,7 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
     system = posed.system(hypothesis, lines, values)
     line = next(x for x in long_links(ordinary.superset) if x.name == "lower_arm")
     n = system.moved.shape[-1]
-    hinges = range(n - 2 * SLICES, n)  # two ways at each place
+    hinges = range(n - WAYS * SLICES, n)
     for m, point in enumerate(ordinary.arm.points):
         if point.link != "lower_arm":
             continue
@@ -242,10 +243,10 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
         for k in hinges:
             moves = bool(np.any(system.moved[m, :, k] != 0.0))
             # A hinge stands for a stretch, from whose start on points move.
-            assert moves == (at > (k - hinges.start) // 2 * line.length_m / SLICES)
+            assert moves == (at > (k - hinges.start) // WAYS * line.length_m / SLICES)
     pieces = system.pieces[1]
     still = ~pieces.motion[..., hinges.start :].any(axis=1)  # (pieces, hinges)
-    np.testing.assert_array_equal(still.sum(axis=0), np.repeat(np.arange(1, SLICES + 1), 2))
+    np.testing.assert_array_equal(still.sum(axis=0), np.repeat(np.arange(1, SLICES + 1), WAYS))
     np.testing.assert_allclose(pieces.split(INERTIA).sum(axis=0), INERTIA, atol=1e-12)
 
 
@@ -350,7 +351,7 @@ def test_a_link_may_give_way_in_its_middle_alone_or_at_one_end(ordinary, lines, 
 
     def yields(**shape):
         values = start | {f"bending {name} lower_arm": value for name, value in shape.items()}
-        return posed.system(hypothesis, lines, values).compliance[-2 * SLICES :: 2]
+        return posed.system(hypothesis, lines, values).compliance[-WAYS * SLICES :: WAYS]
 
     even = yields()
     assert even == pytest.approx(np.full(SLICES, even.mean()))

@@ -46,7 +46,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         second = np.pi * thick**4 / 64.0
         section = Section(
             area_m2=area,
-            second_moment_m4=second,
+            second_moments_m4=(second, second),
             torsion_m4=2.0 * second,
             shear_area_m2=0.9 * area,
             youngs_pa=soft,

@@ -16,11 +16,9 @@ def where(drawn: Everyday) -> list[str]:
 def hide(kit: Kit, place: str, size: float) -> Hidden:
     """Thin the section's stiffness, not its mass."""
     section = kit.parts.sections[place]
-    bending = section.youngs_pa * section.second_moment_m4 / size
+    bending = section.youngs_pa * section.mean_moment_m4 / size
     twisting = section.shear_pa * section.torsion_m4
-    kit.parts.sections[place] = replace(
-        section,
-        second_moment_m4=section.second_moment_m4 / size,
-    )
+    first, second = section.second_moments_m4
+    kit.parts.sections[place] = replace(section, second_moments_m4=(first / size, second / size))
     felt = stiffer_at_told(kit.parts.beam_loss)
     return {"bending_stiffness_n_m2": felt * bending, "torsional_stiffness_n_m2": felt * twisting}

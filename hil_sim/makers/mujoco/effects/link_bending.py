@@ -8,6 +8,7 @@ from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 from armodal.hil_sim.makers.mujoco.split import outer_half
 
 SPAN = (0.004, 3.0)  # compliance of the bend over the arm's
+UNEVEN = (0.0, 1.5)  # ln of the bend about one axis over that about the other
 LOSS_TIME_S = (1e-5, 2e-4)
 
 
@@ -22,14 +23,21 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
     outer, at, tangent = outer_half(rig.machine, row)
     stiffness, loss = 1.0 / (size * rig.compliance), float(rig.rng.uniform(*LOSS_TIME_S))
     outer.axes = [axis for axis in outer.axes if not axis.name.startswith("bend ")]
-    for i, direction in enumerate(np.linalg.svd(tangent[None, :])[2][1:]):
+    uneven = float(np.exp(rig.rng.uniform(*UNEVEN)))
+    first, second = np.linalg.svd(tangent[None, :])[2][1:]
+    roll = float(rig.rng.uniform(0.0, np.pi))
+    axes = (
+        (np.cos(roll) * first + np.sin(roll) * second, 2.0 * uneven / (1.0 + uneven)),
+        (np.cos(roll) * second - np.sin(roll) * first, 2.0 / (1.0 + uneven)),
+    )
+    for i, (direction, softer) in enumerate(axes):
         outer.axes.append(
             Axis(
                 name=f"bend {place} {i + 1}",
                 direction=direction,
                 at_m=at,
-                stiffness=stiffness,
-                damping=loss * stiffness,
+                stiffness=stiffness / softer,
+                damping=loss * stiffness / softer,
             )
         )
     length = float(np.sum(np.linalg.norm(np.diff(np.array(row.shell.path), axis=0), axis=1)))
