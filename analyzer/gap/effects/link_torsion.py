@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.effects.long_link import given_way
-from armodal.analyzer.gap.effects.yielding_line import about_the_line
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.long_links import long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -25,6 +24,6 @@ _MATERIAL = 0.03  # of the arm's compliance, root to tip
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each long link."""
     return tuple(
-        given_way(ordinary, line, about_the_line, WORDS, word="torsion", material=_MATERIAL)
+        given_way(ordinary, line, WORDS, bends=False, word="torsion", material=_MATERIAL)
         for line in long_links(ordinary.superset)
     )

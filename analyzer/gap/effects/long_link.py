@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 
 import numpy as np
@@ -11,7 +11,7 @@ import scipy.special
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
 from armodal.analyzer.gap.effects.link_axis import at_axis, splits
-from armodal.analyzer.gap.effects.yielding_line import Way, YieldingLine
+from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
@@ -34,9 +34,9 @@ _START = 0.03  # of the size's deviation: from zero a first step misleads
 def given_way(
     ordinary: Ordinary,
     line: LongLink,
-    give: Callable[[LongLink], Sequence[Way]],
     words: EffectWords,
     *,
+    bends: bool,
     word: str,
     material: float,
 ) -> Instance:
@@ -53,8 +53,7 @@ def given_way(
         f"{word} {what} {line.name}"
         for what in ("compliance", "loss", "loss factor", "spread", "taper", "middle")
     )
-    ways = give(line)
-    yielding = YieldingLine(line=line, ways=ways, word=word)
+    yielding = YieldingLine(line=line, bends=bends, word=word)
     columns = ordinary.superset.interface_columns(line.link)
     part = line.length_m / SLICES
     insides = [
@@ -72,14 +71,13 @@ def given_way(
         offsets = apart(body, line.along, masses, values[spread] * middles)
         assembly.pieces.setdefault(line.link, (masses, offsets))
         parts, by_shape = _parts(values[taper], values[middle])
-        shares, by_flat = yielding.shares(values)
-        moving = (*yielding.aside, *yielding.turn)
-        for (where, s), (number, way) in product(enumerate(line.places_m), enumerate(ways)):
-            column = np.zeros((1 + len(moving), ordinary.superset.n))
-            twist, by_moving = yielding.hinge(values, s, way)
+        shares, by_sharing = yielding.shares(values)
+        for (where, s), number in product(enumerate(line.places_m), range(yielding.n_hinges)):
+            column = np.zeros((1 + len(yielding.moving), ordinary.superset.n))
+            twist, by_moving = yielding.hinge(values, s, number)
             column[:, columns] = [twist, *by_moving]
             whole, share = line.length_m * parts[where], shares[number]
-            by_shapes = line.length_m * by_shape[:, where] * share, whole * by_flat[:, number]
+            by_shapes = line.length_m * by_shape[:, where] * share, whole * by_sharing[:, number]
             at = assembly.add_compliance(
                 column[0],
                 values[gamma],
@@ -88,12 +86,16 @@ def given_way(
                 loss,
                 part=float(whole * share),
                 part_slopes=dict(
-                    zip((taper, middle, *yielding.flat), np.hstack(by_shapes).tolist(), strict=True)
+                    zip(
+                        (taper, middle, *yielding.sharing),
+                        np.hstack(by_shapes).tolist(),
+                        strict=True,
+                    )
                 ),
             )
             assembly.add_loss_factor([at], values[factor], factor)
             assembly.inside[at] = insides[where]
-            for name, moved in zip(moving, column[1:], strict=True):
+            for name, moved in zip(yielding.moving, column[1:], strict=True):
                 assembly.motion_of.setdefault(name, []).append((at, moved))
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
@@ -101,7 +103,7 @@ def given_way(
         start, end = yielding.ends(values)
         name = ordinary.arm.joints[line.link].link.name
         told: dict[str, object] = {"link": name, "from_m": start.tolist(), "to_m": end.tolist()}
-        if yielding.flat:
+        if bends:
             directions, yields = yielding.softest(values)
             told["softest_about"] = directions[:, 0].tolist()
             told["softest_over_stiffest"] = float(yields[0] / yields[1])
@@ -127,14 +129,16 @@ def given_way(
         ]
         return [(axis, rest | {axis.size: whole}) for axis in axes] + [
             (
-                there := given_way(ordinary, other, give, words, word=word, material=material),
+                there := given_way(
+                    ordinary, other, words, bends=bends, word=word, material=material
+                ),
                 rest | {there.size: whole / other.length_m},
             )
             for other in long_links(ordinary.superset)
             if abs(other.link - line.link) == 1
         ]
 
-    shapes = (spread, taper, middle, *yielding.aside, *yielding.turn, *yielding.flat)
+    shapes = (spread, taper, middle, *(p.name for p in yielding.parameters))
     own = {gamma, loss, factor, *shapes}
     size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 

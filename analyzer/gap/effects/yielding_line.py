@@ -1,11 +1,13 @@
 """The line along which a long link gives way: where it lies, and how easily about each direction.
 
-It is near the line that is believed: off it and turned by a little, both ways across.
+It is near the line that is believed: off it and turned by a little, both ways across. A link that
+bends has two hinges at each place. Of its yield about directions across, a symmetric 2 x 2 matrix,
+they are the columns of Cholesky's factor: one stands as it is, the other leans towards it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,24 +18,15 @@ from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.long_links import LongLink
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["Way", "YieldingLine", "about_the_line", "across_the_line"]
+__all__ = ["YieldingLine"]
 
 Array = npt.NDArray[np.float64]
 
 _ASIDE_STD_M = 0.03  # of the line, across it
 _TURN_STD_RAD = 0.1  # of it about its middle
 # ln of the softness about one direction across over that about the other: of a thin box, 0.63 as
-# wide as high.
-_FLAT_STD = 0.7
-
-
-@dataclass(frozen=True, slots=True)
-class Way:
-    """A direction about which each place of a link gives way, while its line lies as believed."""
-
-    direction: Array  # (3,) unit
-    turns: Array  # (2, 3) by what a turn of the line along each direction across changes it
-    share: Array  # (2,) slopes of the logarithm of its part of the yield, before all make one
+# wide as high. And by what one leans towards the other: half of it makes as much.
+_FLAT_STD, _LEAN_STD = 0.7, 0.35
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,63 +34,71 @@ class YieldingLine:
     """A line near a long link's, by the values of its parameters; the link's frame."""
 
     line: LongLink
-    ways: Sequence[Way]
+    bends: bool  # about two directions across; else it twists about itself
     word: str  # that its parameters' names begin with
 
     @property
-    def aside(self) -> tuple[str, ...]:
-        """Return the names of its shifts across."""
-        return self._names("aside")
+    def n_hinges(self) -> int:
+        """Return how many stand at each place."""
+        return 2 if self.bends else 1
 
     @property
-    def turn(self) -> tuple[str, ...]:
-        """Return the names of its turns towards each direction across."""
-        return self._names("turn")
+    def moving(self) -> tuple[str, ...]:
+        """Return the names of what moves hinges: two shifts, two turns, a lean where it bends."""
+        return (*self._aside, *self._turn, *self._shape[1:])
 
     @property
-    def flat(self) -> tuple[str, ...]:
-        """Return the names of what makes it softer about one direction; none about one alone."""
-        return self._names("flat") if len(self.ways) > 1 else ()
+    def sharing(self) -> tuple[str, ...]:
+        """Return the names of what shares a place's yield among its hinges."""
+        return self._shape
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Return all of them."""
-        of = (
-            (self.aside, "m", _ASIDE_STD_M),
-            (self.turn, "rad", _TURN_STD_RAD),
-            (self.flat, "", _FLAT_STD),
-        )
+        shape = zip(self._shape, (_FLAT_STD, _LEAN_STD), strict=False)
+        of = [(name, "m", _ASIDE_STD_M) for name in self._aside]
+        of += [(name, "rad", _TURN_STD_RAD) for name in self._turn]
+        of += [(name, "", std) for name, std in shape]
         return tuple(
-            Parameter(name=name, unit=unit, mean=0.0, std=std, untold=0.0)
-            for names, unit, std in of
-            for name in names
+            Parameter(name=name, unit=unit, mean=0.0, std=std, untold=0.0) for name, unit, std in of
         )
 
-    def hinge(self, values: Mapping[str, float], s_m: float, way: Way) -> tuple[Array, Array]:
-        """Return the twist (6,) of a hinge at s, linear first, and its slopes (4, 6).
+    def hinge(self, values: Mapping[str, float], s_m: float, number: int) -> tuple[Array, Array]:
+        """Return the twist (6,) of a hinge at s, linear first, and its slopes (k, 6) by `moving`.
 
-        By `aside` and `turn`; to first order in the turn.
+        To first order in the turn.
         """
         off, tilt = self._moved(values)
-        beside = across(self.line.along).T
+        beside, along = across(self.line.along).T, self.line.along
         arm = s_m - 0.5 * self.line.length_m
-        u = way.direction + tilt @ way.turns
-        p = self.line.start_m + s_m * self.line.along + (off + arm * tilt) @ beside
+        u, by_turn = along + tilt @ beside, beside
+        leans = []
+        if self.bends:  # about directions that stay across
+            lean = values[self._shape[1]] * number
+            sides = np.array([[1.0, 0.0], [lean, 1.0]])[number]
+            u, by_turn = sides @ beside - (sides @ tilt) * along, -np.outer(sides, along)
+            leans = [number * (beside[0] - tilt[0] * along)]
+        p = self.line.start_m + s_m * along + (off + arm * tilt) @ beside
         levers = np.cross(beside, u)
         by_aside = np.hstack([levers, np.zeros((2, 3))])
-        by_turn = np.hstack([arm * levers + np.cross(p, way.turns), way.turns])
-        return np.concatenate([np.cross(p, u), u]), np.concatenate([by_aside, by_turn])
+        turned = np.hstack([arm * levers + np.cross(p, by_turn), by_turn])
+        leant = [np.concatenate([np.cross(p, change), change]) for change in leans]
+        return np.concatenate([np.cross(p, u), u]), np.array([*by_aside, *turned, *leant])
 
     def shares(self, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return the part (n,) of a place's yield that each way has, and slopes (2 or 0, n).
+        """Return the part (n,) of a place's yield that each hinge has, and slopes (k, n).
 
-        By `flat`. Together they are one about the line, and one each about two directions across.
+        By `sharing`. They yield one about the line, and one each on the mean of all directions
+        across.
         """
-        flat = np.array([values[name] for name in self.flat])
-        by = np.stack([way.share for way in self.ways], axis=1)[: len(flat)]
-        whole = 2.0 if len(flat) else 1.0
-        parts = scipy.special.softmax(flat @ by)
-        return whole * parts, whole * parts * (by - (by @ parts)[:, None])
+        if not self.bends:
+            return np.ones(1), np.zeros((0, 1))
+        flat, lean = (values[name] for name in self._shape)
+        w = scipy.special.softmax([0.5 * flat, -0.5 * flat])
+        whole = 1.0 + w[1] * lean**2  # a hinge that leans is no unit
+        dw = np.array([[1.0, -1.0], [0.0, 0.0]]) * w[0] * w[1]
+        slope = np.array([-w[0] * w[1] * lean**2, 2.0 * w[1] * lean])
+        return 2.0 * w / whole, 2.0 * dw / whole - 2.0 * w * slope[:, None] / whole**2
 
     def ends(self, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Return its root and tip, each (3,)."""
@@ -109,39 +110,32 @@ class YieldingLine:
         return middle - half, middle + half
 
     def softest(self, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """Return directions (3, k) about which it gives way, softest first, and yields (k,).
+        """Return directions (3, n) about which it gives way, softest first, and yields (n,).
 
         Two across, whose yields are two together, or the line.
         """
         shares, _ = self.shares(values)
-        u = np.stack([way.direction for way in self.ways])
+        u = np.stack([self.hinge(values, 0.0, i)[0][3:] for i in range(self.n_hinges)])
         yields, directions = np.linalg.eigh((u.T * shares) @ u)
-        k = min(len(self.ways), 2)
-        return directions[:, : -k - 1 : -1], yields[: -k - 1 : -1]
+        at = slice(None, -self.n_hinges - 1, -1)
+        return directions[:, at], yields[at]
 
-    def _names(self, what: str) -> tuple[str, ...]:
-        return tuple(f"{self.word} {what} {letter} {self.line.name}" for letter in "ab")
+    @property
+    def _aside(self) -> tuple[str, ...]:
+        return self._names("aside a", "aside b")
+
+    @property
+    def _turn(self) -> tuple[str, ...]:
+        return self._names("turn a", "turn b")
+
+    @property
+    def _shape(self) -> tuple[str, ...]:
+        return self._names("flat", "lean") if self.bends else ()
+
+    def _names(self, *what: str) -> tuple[str, ...]:
+        return tuple(f"{self.word} {one} {self.line.name}" for one in what)
 
     def _moved(self, values: Mapping[str, float]) -> tuple[Array, Array]:
         """(2,) off the line believed, and by what it is turned."""
-        off, tilt = (np.array([values[name] for name in of]) for of in (self.aside, self.turn))
+        off, tilt = (np.array([values[name] for name in of]) for of in (self._aside, self._turn))
         return off, tilt
-
-
-def about_the_line(line: LongLink) -> list[Way]:
-    """Return the line itself, which turns with it."""
-    return [Way(line.along, across(line.along).T, np.zeros(2))]
-
-
-def across_the_line(line: LongLink) -> list[Way]:
-    """Return three directions across, a sixth of a turn apart: together they make any yield.
-
-    They stay across a line that turns.
-    """
-    beside = across(line.along)
-    ways = []
-    for angle in np.pi / 3.0 * np.arange(3):
-        direction = beside @ [np.cos(angle), np.sin(angle)]
-        turns = -np.outer(beside.T @ direction, line.along)
-        ways.append(Way(direction, turns, np.array([np.cos(2.0 * angle), np.sin(2.0 * angle)])))
-    return ways

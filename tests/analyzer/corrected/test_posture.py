@@ -18,7 +18,7 @@ from armodal.protocols.errors import ArmError, EstimateError
 
 ARM = load_arm("rv4frl")
 Q = np.array([0.2, 0.4, 1.1, -0.5, 0.6, 0.3])
-SHAPES = tuple(f"{what}_{letter}" for what in ("aside", "turn", "flat") for letter in "ab")
+SHAPES = ("aside_a", "aside_b", "turn_a", "turn_b", "flat", "lean")
 # The same matrices through eigenvalue solvers: machine epsilon times their condition.
 SAME = 1e-9
 

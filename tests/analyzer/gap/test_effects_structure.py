@@ -20,7 +20,7 @@ from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.hil_sim.study import study_arm
 from armodal.protocols.arm.files import load_arm
 
-WAYS = 3  # directions across about which a bending link has hinges at each place
+WAYS = 2  # directions across about which a bending link has hinges at each place
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
 
 
