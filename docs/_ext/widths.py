@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 import subprocess
 import tempfile
 import threading
 from functools import partial
-from html import unescape
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
@@ -21,7 +19,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 LONGEST_S = 300.0
 _REPORT = "widths-report.html"
 # Each page in a frame of each width; what is wider than it, and pictures that are not there.
-_SCRIPT = """<!doctype html><pre id=found></pre><script>
+_SCRIPT = """<!doctype html><body><script>
 const pages = %s, widths = %s, found = [];
 async function look(page, width) {
   const frame = document.createElement("iframe");
@@ -30,7 +28,9 @@ async function look(page, width) {
   await new Promise(done => { frame.onload = done; document.body.append(frame); });
   const inside = frame.contentDocument, root = inside.scrollingElement;
   for (const image of inside.images) image.loading = "eager";
-  await Promise.all([...inside.images].map(image => image.decode().catch(() => 0)));
+  await Promise.all([...inside.images].map(image => image.complete || new Promise(done => {
+    image.onload = image.onerror = done;
+  })));
   if (root.scrollWidth > width) found.push([page, width, `is ${root.scrollWidth} px wide`]);
   for (const image of inside.images)
     if (!image.naturalWidth) found.push([page, width, `lacks ${image.getAttribute("src")}`]);
@@ -38,13 +38,30 @@ async function look(page, width) {
 }
 (async () => {
   for (const page of pages) for (const width of widths) await look(page, width);
-  document.getElementById("found").textContent = JSON.stringify(found);
-  document.title = "done";
+  await fetch("found", {method: "POST", body: JSON.stringify(found)});
 })();
 </script>"""
 
 
-class _Quiet(SimpleHTTPRequestHandler):
+class _Server(ThreadingHTTPServer):
+    """Serves the site, and waits for what the browser found."""
+
+    def __init__(self, site: Path) -> None:
+        super().__init__(("127.0.0.1", 0), partial(_Handler, directory=str(site)))
+        self.found: list[list[str | int]] = []
+        self.told = threading.Event()
+
+
+class _Handler(SimpleHTTPRequestHandler):
+    server: _Server
+
+    def do_POST(self) -> None:
+        """Take what was found."""
+        self.server.found = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+        self.send_response(204)
+        self.end_headers()
+        self.server.told.set()
+
     def log_message(self, *_: object) -> None:
         """Say nothing."""
 
@@ -59,33 +76,33 @@ def too_wide(site: Path, browser: str) -> list[tuple[str, int, str]]:
     """
     pages = sorted(path.relative_to(site).as_posix() for path in site.rglob("*.html"))
     (site / _REPORT).write_text(_SCRIPT % (json.dumps(pages), json.dumps(WIDTHS)))
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(_Quiet, directory=str(site)))
+    server = _Server(site)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
-        with tempfile.TemporaryDirectory() as profile:
-            shown = subprocess.run(  # noqa: S603 - the browser of this machine
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+            looking = subprocess.Popen(  # noqa: S603 - the browser of this machine
                 [
                     browser,
                     "--headless",
                     "--no-sandbox",
                     "--disable-gpu",
                     f"--user-data-dir={profile}",
-                    "--virtual-time-budget=100000000",
-                    "--dump-dom",
                     f"http://127.0.0.1:{server.server_port}/{_REPORT}",
                 ],
-                capture_output=True,
-                text=True,
-                timeout=LONGEST_S,
-                check=False,
-            ).stdout
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+            )
+            try:
+                if not server.told.wait(LONGEST_S):
+                    raise RuntimeError(f"{browser} did not look at every page")
+            finally:
+                looking.terminate()
+                looking.wait()
     finally:
         server.shutdown()
+        server.server_close()
         (site / _REPORT).unlink()
-    told = re.search(r'<pre id="found">(.*?)</pre>', shown, re.DOTALL)
-    if told is None or "<title>done</title>" not in shown:
-        raise RuntimeError(f"{browser} did not look at every page")
-    return [(page, width, fault) for page, width, fault in json.loads(unescape(told[1]))]
+    return [(str(page), int(width), str(fault)) for page, width, fault in server.found]
 
 
 def _finished(app: Sphinx, error: Exception | None) -> None:
