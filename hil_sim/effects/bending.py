@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly
 from armodal.hil_sim.effects.bearing import across
@@ -29,6 +29,12 @@ class Bending(SlicedLink):
     bending_stiffness_n_m2: Positive
     softest_about: Vector | None = None  # across the line; None: as soft about all
     softest_over_stiffest: Annotated[float, Field(ge=1.0)] = 1.0
+
+    @model_validator(mode="after")
+    def _is_softest_across(self) -> Self:
+        if self.softest_about is not None and not np.cross(self.along, self.softest_about).any():
+            raise ValueError("softest_about must not lie along the link's line")
+        return self
 
     def assemble(self, assembly: Assembly) -> Assembly:
         """Cut the link across its line, again and again."""

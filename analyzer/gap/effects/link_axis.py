@@ -37,7 +37,7 @@ WORDS = EffectWords(
     separate_minima=True,
     one_such_as="a crack or a bolt in the link that opens under one sign of load",
 )
-_MATERIAL = 0.012  # of the arm's compliance
+_MATERIAL = 0.012  # of its drive's compliance
 _LEAST_M, _LEAST_KG = 1e-6, 1e-6
 _PARALLEL, _THROUGH_M = 0.98, 0.03  # to a joint's axis: 11 degrees, 30 mm
 _ALONG = 0.7  # cosine: an axis nearer to its link's line twists it, one further bends it

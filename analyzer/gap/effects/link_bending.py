@@ -18,7 +18,7 @@ WORDS = EffectWords(
     told_by="points at three places along the link; hits along two directions across it",
     remedy="take the link as a beam: its section's bending stiffness over its length",
 )
-_MATERIAL = 0.012  # of the arm's compliance, root to tip
+_MATERIAL = 0.012  # of its drive's compliance, root to tip
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -18,7 +18,7 @@ WORDS = EffectWords(
     told_by="points off the line at three places along the link; a posture bent beyond it",
     remedy="take the link as a tube: its section's torsional stiffness over its length",
 )
-_MATERIAL = 0.03  # of the arm's compliance, root to tip
+_MATERIAL = 0.03  # of its drive's compliance, root to tip
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -19,7 +19,7 @@ WORDS = EffectWords(
     told_by="a posture that turns the joint's axis away from its neighbours', a hit far off it",
     remedy="give the joint a stiffness in the arm file; check its brake and its transmission",
 )
-_MATERIAL = 0.05  # of the arm's compliance
+_MATERIAL = 0.05  # of its drive's compliance
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

@@ -1,4 +1,4 @@
-"""An accelerometer that is heavier than its file says: magnet, base, cable."""
+"""An accelerometer that is heavier than the plan says: magnet, base, cable."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ __all__ = ["WORDS", "instances"]
 WORDS = EffectWords(
     name="sensor_mass",
     of_the_test=True,
-    title="Accelerometer heavier than its file says",
-    changes="a mass at the sensor's place, another place for every row of the FRF matrix",
+    title="Accelerometer heavier than the plan says",
+    changes="a mass at the sensor's place, which moves with it where it goes round",
     signature="frequencies differ from point to point, lower where the sensor moves much",
     confused_with=("payload", "wrong_point"),
     told_by="the same point with and without a known mass beside the sensor",

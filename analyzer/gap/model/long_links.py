@@ -8,7 +8,6 @@ whose next joint stands at its own comes from the other side.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,7 +15,6 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Inside
-from armodal.analyzer.gap.model.geometry import skew
 from armodal.protocols.arm.records import InertialLink
 
 __all__ = ["SLICES", "LongLink", "long_links", "span_m"]
@@ -65,14 +63,6 @@ class LongLink:
             part=(along[partly] - start_m) / (end_m - start_m),
             shift_m=(off[:, None] * back)[partly],
         )
-
-    def twists(self, directions: Sequence[Array]) -> list[tuple[float, Array]]:
-        """Return place and unit twist (6,), linear first, of every hinge."""
-        return [
-            (s, np.concatenate([skew(self.start_m + s * self.along) @ u, u]))
-            for s in self.places_m
-            for u in directions
-        ]
 
 
 def long_links(superset: Superset) -> tuple[LongLink, ...]:

@@ -46,7 +46,7 @@ JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07
 # A sound bearing of another gear may well give way more, and would then be named.
 BEARING_MEAN, BEARING_STD, BEARING_LIMIT = 0.006, 0.006, 0.025
 
-# A base on its bolts, as parts of the first drive's compliance; more is an effect. No source: a
+# A base on its bolts, as parts of the arm's compliance; more is an effect. No source: a
 # foundation is meant to be stiffer than what stands on it by two orders of magnitude and more.
 FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT = 0.001, 0.003, 0.01
 

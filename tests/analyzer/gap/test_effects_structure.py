@@ -11,6 +11,7 @@ from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.effects.gravity_compensator import shares
 from armodal.analyzer.gap.effects.load_damping import gravity_load
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
+from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.assembly import Pieces, spatial_inertia
 from armodal.analyzer.gap.model.geometry import GeometryNear, skew
@@ -124,16 +125,16 @@ def test_slices_bend_as_a_cantilever_and_twist_as_a_tube():
     """Tip force: L^3 / 3 EI (1 - 1 / 4 n^2); tip moment: L / GJ."""
     along, length, stiffness = np.array([0.0, 0.6, 0.8]), 0.4, 5e4
     line = LongLink(link=0, name="l", along=along, length_m=length)
-    across = np.array([1.0, 0.0, 0.0])
-    part = length / stiffness / len(line.places_m)
-    tip = length * along
-    force = np.cross(across, along)
+    part, tip = length / stiffness / len(line.places_m), length * along
     bends = turns = 0.0
-    for _, twist in line.twists([across]):
+    for s in line.places_m:
+        twist, turn = (
+            own.hinge(dict.fromkeys((p.name for p in own.parameters), 0.0), s, 0)[0]
+            for own in (YieldingLine(line=line, bends=of, word="w") for of in (True, False))
+        )
         at_tip = twist[:3] + np.cross(twist[3:], tip)
-        bends += part * (at_tip @ force) ** 2
-    for _, twist in line.twists([along]):
-        turns += part * (twist[3:] @ along) ** 2
+        bends += part * (at_tip @ np.cross(twist[3:], along)) ** 2
+        turns += part * (turn[3:] @ along) ** 2
     assert bends == pytest.approx(length**3 / (3 * stiffness) * (1 - 1 / (4 * SLICES**2)))
     assert turns == pytest.approx(length / stiffness)
 

@@ -8,7 +8,7 @@ from armodal.hil_sim.makers.mujoco.rig import Parameters, Rig
 from armodal.hil_sim.makers.mujoco.split import outer_half
 
 SPAN = (0.004, 3.0)  # compliance of the bend over the arm's
-UNEVEN = (0.0, 1.5)  # ln of the bend about one axis over that about the other
+UNEVEN = (0.0, 1.5)  # ln of the bend about one axis over that about the other: open castings
 LOSS_TIME_S = (1e-5, 2e-4)
 
 
