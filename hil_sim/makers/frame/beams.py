@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from armodal.hil_sim.makers.arm_table import Array
+from armodal.hil_sim.makers.arm_table import Array, Triple
 
 __all__ = ["Section", "beam_mass", "beam_stiffness", "flattened", "tube"]
 
@@ -27,7 +27,7 @@ class Section:
     shear_area_m2: float
     youngs_pa: float
     density_kg_m3: float
-    roll_rad: float = 0.0  # of the principal axes about the line
+    width: Triple = (0.0, 0.0, 0.0)  # near the first axis, where both are not alike
 
     @property
     def mean_moment_m4(self) -> float:
@@ -56,8 +56,10 @@ def tube(diameter_m: float, wall_m: float, youngs_pa: float, density_kg_m3: floa
     )
 
 
-def flattened(section: Section, height_over_width: float, roll_rad: float) -> Section:
+def flattened(section: Section, height_over_width: float, width: Triple) -> Section:
     """A thin tube's section as that of a thin box of the same area and mean bending.
+
+    `width` is the direction along which it is wide, as far as that is across the beam.
 
     A box of sides w and h and walls t has I = t h^2 (3 w + h) / 6 about the axis along w (Roark,
     Formulas for Stress and Strain, thin-walled rectangles).
@@ -65,7 +67,7 @@ def flattened(section: Section, height_over_width: float, roll_rad: float) -> Se
     h = height_over_width
     pair = np.array([h**2 * (3.0 + h), 1.0 + 3.0 * h])
     pair *= section.mean_moment_m4 * np.mean(1.0 / pair)
-    return replace(section, second_moments_m4=(float(pair[0]), float(pair[1])), roll_rad=roll_rad)
+    return replace(section, second_moments_m4=(float(pair[0]), float(pair[1])), width=width)
 
 
 def beam_stiffness(section: Section, start: Array, end: Array) -> Array:
@@ -136,9 +138,9 @@ def _turned(
     local[np.ix_([1, 5, 7, 11], [1, 5, 7, 11])] = planes[1]
     local[np.ix_([2, 4, 8, 10], [2, 4, 8, 10])] = mirrored @ planes[0] @ mirrored
     x = (end - start) / np.linalg.norm(end - start)
-    y = np.cross(np.eye(3)[int(np.argmin(np.abs(x)))], x)
+    wide = np.array(section.width if any(section.width) else np.eye(3)[np.argmin(np.abs(x))])
+    y = wide - (wide @ x) * x
     y /= np.linalg.norm(y)
-    y = np.cos(section.roll_rad) * y + np.sin(section.roll_rad) * np.cross(x, y)
     R = np.kron(np.eye(4), np.array([x, y, np.cross(x, y)]))
     turned: Array = R.T @ local @ R
     return turned

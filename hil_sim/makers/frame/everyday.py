@@ -232,7 +232,8 @@ def _sections(table: ArmTable, softest: float, streams: Streams) -> dict[str, Se
         bend = within(streams("bend", name), BEND) * softest
         ribbed = length / (plain.mean_moment_m4 * bend)
         high = np.exp(within(streams("high", name), HIGH))
-        box = flattened(plain, float(high), within(streams("roll", name), (0.0, np.pi)))
+        x, y, z = streams("width", name).standard_normal(3).tolist()
+        box = flattened(plain, float(high), (x, y, z))
         sections[name] = replace(box, youngs_pa=max(modulus, ribbed))
     return sections
 

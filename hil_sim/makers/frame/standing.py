@@ -143,6 +143,8 @@ def _shell(
     """Beams along a shell, with a hinge in it where there is one."""
     structure, chain = made.structure, [first]
     made.chains[link] = chain
+    x, y, z = (T[:3, :3] @ section.width).tolist()
+    section = replace(section, width=(x, y, z))
     places = _places(path, None if hinge is None else hinge.part)
     for before, place in pairwise(places):
         at = T[:3, :3] @ place + T[:3, 3]
