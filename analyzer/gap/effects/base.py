@@ -14,7 +14,7 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import skew
 from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.soft_parts import BASE_WAYS
+from armodal.analyzer.gap.model.soft_parts import BASE_TURN, BASE_WAYS
 from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "instances"]
@@ -36,8 +36,6 @@ _FARTHEST_M = 0.3  # a base's centre and pivot from the arm's origin
 _HEIGHT_M, _HEIGHT_STD_M, _PIVOT_STD_M = 0.1, 0.1, 0.1
 # Of the moving mass. Pedestals weigh from a tenth of the arm to as much. No source: assumed.
 _MASS, _MASS_STD, _MASS_MOST = 0.3, 0.3, 2.0
-_ANY_TURN = np.pi / 2.0  # rad, either way: then the one line is the other
-_TURN_STD = _ANY_TURN / np.sqrt(3.0)
 # Radii of gyration of a disc over its radius, squared.
 _DISC = np.diag([0.25, 0.25, 0.5])
 # Of that disc, over the plate's on its bolts: a foot as wide as the first link to the plate itself.
@@ -49,7 +47,7 @@ _UP = skew(np.array([0.0, 0.0, 1.0]))
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in BASE_WAYS]
-    mass, height, pivot, turn = "base mass", "base height", "base pivot", "base turn"
+    mass, height, pivot, turn = "base mass", "base height", "base pivot", BASE_TURN.name
     radius, factor = "base radius", "base loss factor"
     aside = ["base aside x", "base aside y"]
     plate_m = float(np.sqrt(2.0)) * ordinary.base_lever_m  # the lever is radius over root 2
@@ -106,17 +104,9 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                     Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD * plate_m, untold=0.0)
                     for name in aside
                 ),
-                # Softest about any level line: an even draw's deviation.
-                Parameter(
-                    name=turn,
-                    unit="rad",
-                    mean=0.0,
-                    std=_TURN_STD,
-                    low=-_ANY_TURN,
-                    high=_ANY_TURN,
-                ),
             ),
-            relaxes=relaxes | {factor: loss_factor_parameter(factor)},  # as it was, but told
+            # As they were, but told.
+            relaxes=relaxes | {turn: BASE_TURN, factor: loss_factor_parameter(factor)},
             builder=build,
             describe=describe,
             size=names[3],

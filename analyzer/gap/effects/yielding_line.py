@@ -16,6 +16,7 @@ import scipy.special
 
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.long_links import LongLink
+from armodal.analyzer.gap.model.priors import LEAN_STD
 from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["YieldingLine"]
@@ -25,8 +26,8 @@ Array = npt.NDArray[np.float64]
 _ASIDE_STD_M = 0.03  # of the line, across it
 _TURN_STD_RAD = 0.1  # of it about its middle
 # ln of the softness about one direction across over that about the other: of a thin box, 0.63 as
-# wide as high. And by what one leans towards the other: half of it makes as much.
-_FLAT_STD, _LEAN_STD = 0.7, 0.35
+# wide as high.
+_FLAT_STD = 0.7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +56,7 @@ class YieldingLine:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Return all of them."""
-        shape = zip(self._shape, (_FLAT_STD, _LEAN_STD), strict=False)
+        shape = zip(self._shape, (_FLAT_STD, LEAN_STD), strict=False)
         of = [(name, "m", _ASIDE_STD_M) for name in self._aside]
         of += [(name, "rad", _TURN_STD_RAD) for name in self._turn]
         of += [(name, "", std) for name, std in shape]

@@ -6,6 +6,8 @@ leaves it; a session's own data say the rest.
 
 from __future__ import annotations
 
+import math
+
 __all__ = [
     "BASE_GAIN_STD",
     "BASE_LEVER",
@@ -25,7 +27,10 @@ __all__ = [
     "JOINT_LOSS_LIMIT",
     "JOINT_LOSS_MEAN",
     "JOINT_LOSS_STD",
+    "LEAN_STD",
     "PLACE_STD_M",
+    "TURN_MOST",
+    "TURN_STD",
 ]
 
 # Damping over stiffness of a seat, a bearing, a bolted flange, s. Damping ratios are below 0.01 in
@@ -53,6 +58,14 @@ FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT = 0.001, 0.003, 0.01
 # A casting over its whole length, about each direction, as parts of its own drive's compliance;
 # more is an effect. No source: a link is meant to be as much stiffer than its drive.
 BEND_MEAN, BEND_STD, BEND_LIMIT = 0.001, 0.003, 0.012
+
+# By what one direction about which a link bends leans towards the other: with yields that differ by
+# e^0.7, as of a thin box 0.63 as wide as high, half of that turns it by half a right angle.
+LEAN_STD = 0.35
+
+# About which level line a base is softest: any, pi / 2 either way, with an even draw's deviation.
+TURN_MOST = math.pi / 2.0
+TURN_STD = TURN_MOST / math.sqrt(3.0)
 
 # Roots of shift over tilt under unit loads, as parts of the arm's chain: radius over root 2, of a
 # ring of rollers and of a plate on its bolts. No source: a joint's bearing is taken to be an eighth

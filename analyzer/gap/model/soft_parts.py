@@ -29,18 +29,25 @@ from armodal.analyzer.gap.model.priors import (
     FLOOR_LIMIT,
     FLOOR_MEAN,
     FLOOR_STD,
+    LEAN_STD,
     NEAR_M,
     SHIFT_STDS,
+    TURN_MOST,
+    TURN_STD,
 )
 from armodal.analyzer.gap.model.scales import compliance, reach_m, scale
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["BASE_WAYS", "add_soft_parts", "base_lever_m", "soft_part_parameters"]
+__all__ = ["BASE_TURN", "BASE_WAYS", "add_soft_parts", "base_lever_m", "soft_part_parameters"]
 
 Array = npt.NDArray[np.float64]
 
 BASE_WAYS = ("shift x", "shift y", "shift z", "rock x", "rock y", "rock z")
+# About which level line it is softest.
+BASE_TURN = Parameter(
+    name="base turn", unit="rad", mean=0.0, std=TURN_STD, low=-TURN_MOST, high=TURN_MOST
+)
 _BEND_WAYS = ("a", "b", "along")
 
 
@@ -58,6 +65,7 @@ def soft_part_parameters(superset: Superset) -> Iterator[Parameter]:
         unit = scale(superset, line.link)
         for way in _BEND_WAYS:
             yield _small(f"bend {way} {line.name}", unit, BEND_MEAN, BEND_STD, BEND_LIMIT)
+        yield Parameter(name=f"bend lean {line.name}", unit="", mean=0.0, std=LEAN_STD)
         yield from _losses("bend loss", line.name)
 
 
@@ -80,11 +88,25 @@ def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, 
             assembly.motion_of.setdefault(place, []).append((at, moved))
     for line, columns, inside in _bends(superset):
         losses = _loss_names("bend loss", line.name)
+        lean = f"bend lean {line.name}"
+        leaning = {"b": values[lean] * columns[0]}  # as `effects.yielding_line` has it
         for way, column in zip(_BEND_WAYS, columns, strict=True):
-            at = add(f"bend {way} {line.name}", column, losses)
+            at = add(f"bend {way} {line.name}", column + leaning.get(way, 0.0), losses)
             assembly.inside[at] = inside
-    for i, way in enumerate(BASE_WAYS):
-        add(f"base {way}", assembly.unit(i), _loss_names("base loss"))
+            if way in leaning:
+                assembly.motion_of[lean] = [(at, columns[0])]
+    c, s = np.cos(values[BASE_TURN.name]), np.sin(values[BASE_TURN.name])
+    units = {way: assembly.unit(i) for i, way in enumerate(BASE_WAYS)}
+    x, y = units["rock x"], units["rock y"]
+    turned = {"rock x": c * x + s * y, "rock y": c * y - s * x}
+    at_of = {
+        way: add(f"base {way}", column, _loss_names("base loss"))
+        for way, column in (units | turned).items()
+    }
+    assembly.motion_of[BASE_TURN.name] = [
+        (at_of["rock x"], turned["rock y"]),
+        (at_of["rock y"], -turned["rock x"]),
+    ]
 
 
 def _of_base(superset: Superset) -> Iterator[Parameter]:
@@ -93,6 +115,7 @@ def _of_base(superset: Superset) -> Iterator[Parameter]:
     for way in BASE_WAYS:
         unit, of = (shifts, "m/N") if way.startswith("shift") else (rocks, "rad/(N m)")
         yield _small(f"base {way}", unit, FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT, unit=of)
+    yield BASE_TURN
     yield from _losses("base loss")
 
 
