@@ -24,7 +24,8 @@ __all__ = ["YieldingLine"]
 Array = npt.NDArray[np.float64]
 
 _ASIDE_STD_M = 0.03  # of the line, across it
-_TURN_STD_RAD = 0.1  # of it about its middle
+# Of it about its middle: further it is another line, as an axis is no twist (`link_axis`).
+_TURN_STD_RAD, _TURN_MOST_RAD = 0.1, 0.2
 # ln of the softness about one direction across over that about the other: of a thin box, 0.63 as
 # wide as high.
 _FLAT_STD = 0.7
@@ -56,12 +57,13 @@ class YieldingLine:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Return all of them."""
+        of = [(name, "m", _ASIDE_STD_M, np.inf) for name in self._aside]
+        of += [(name, "rad", _TURN_STD_RAD, _TURN_MOST_RAD) for name in self._turn]
         shape = zip(self._shape, (_FLAT_STD, LEAN_STD), strict=False)
-        of = [(name, "m", _ASIDE_STD_M) for name in self._aside]
-        of += [(name, "rad", _TURN_STD_RAD) for name in self._turn]
-        of += [(name, "", std) for name, std in shape]
+        of += [(name, "", std, np.inf) for name, std in shape]
         return tuple(
-            Parameter(name=name, unit=unit, mean=0.0, std=std, untold=0.0) for name, unit, std in of
+            Parameter(name=name, unit=unit, mean=0.0, std=std, low=-most, high=most, untold=0.0)
+            for name, unit, std, most in of
         )
 
     def hinge(self, values: Mapping[str, float], s_m: float, number: int) -> tuple[Array, Array]:
