@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.long_links import LongLink
@@ -96,3 +97,12 @@ def test_hinges_follow_the_line_by_their_slopes(bends):
                 moved.hinge(values | {name: values[name] + d}, s, way)[0] for d in (step, -step)
             )
             np.testing.assert_allclose((more - less) / (2 * step), slope, atol=1e-8)
+
+
+def test_no_line_turns_to_where_an_axis_would_not_be_along_the_link():
+    """Each way alone: what turns further across is told as an axis, not as a twist."""
+    turns = [p for p in line_of(False).parameters if " turn " in p.name]
+    assert len(turns) == 2
+    for parameter in turns:
+        assert np.cos(parameter.high) >= link_axis._PARALLEL
+        assert parameter.low == -parameter.high
