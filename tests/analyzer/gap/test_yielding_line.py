@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 
-from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import link_axis, link_torsion
 from armodal.analyzer.gap.effects.yielding_line import YieldingLine
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import across
-from armodal.analyzer.gap.model.long_links import LongLink
+from armodal.analyzer.gap.model.long_links import LongLink, long_links
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.protocols.arm.files import load_arm
 
 LINE = LongLink(
     link=0,
@@ -99,10 +103,17 @@ def test_hinges_follow_the_line_by_their_slopes(bends):
             np.testing.assert_allclose((more - less) / (2 * step), slope, atol=1e-8)
 
 
-def test_no_line_turns_to_where_an_axis_would_not_be_along_the_link():
-    """Each way alone: what turns further across is told as an axis, not as a twist."""
+def test_a_line_turned_as_far_as_it_may_is_still_along_its_link():
+    """There an axis is told as a twist; a hundredth further it is an axis."""
+    ordinary = Ordinary(superset=Superset(load_arm("rv4frl")), postures=("p",))
+    tube = long_links(ordinary.superset)[0]
+    twist = Instance(effect=link_torsion.WORDS, place=tube.name)
     turns = [p for p in line_of(False).parameters if " turn " in p.name]
     assert len(turns) == 2
-    for parameter in turns:
-        assert np.cos(parameter.high) >= link_axis._PARALLEL
+    for parameter, side in zip(turns, across(tube.along).T, strict=True):
         assert parameter.low == -parameter.high
+        for angle, along in ((parameter.high, True), (1.01 * parameter.high, False)):
+            direction = np.cos(angle) * tube.along + np.sin(angle) * side
+            line = link_axis.at_axis(ordinary, tube.link, direction, tube.start_m)
+            values = {p.name: p.first for p in line.parameters}
+            assert line.is_also(values, twist) is along
