@@ -29,24 +29,19 @@ WORDS = EffectWords(
     remedy="weigh what the link carries: tool, valves, cables; put it into the arm file",
 )
 _MATERIAL_KG, _MATERIAL = 0.2, 0.003  # or of the arm's mass, whichever is less
-_WRIST_FROM = 5  # the last joint of an arm of six or more
 _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of no mass
 _STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
 _STEP = 1e-6  # kg and kg m, for slopes
+_ON_AXIS_M = 0.03  # inside a joint: both links move alike there
 # Of gyration: from a compact tool flange to a spread gripper with hoses. No source: assumed.
 _RADIUS_M, _RADIUS_STD_M, _LARGEST_M = 0.08, 0.07, 0.35
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
-    """One for each link from the third on: what hangs on the others changes little.
-
-    Of a wrist of three axes the middle link moves nearly as the last one does, and is left out.
-    """
+    """One for each link from the third on: what hangs on the others changes little."""
     last = len(ordinary.arm.joints) - 1
-    middle = last - 1 if last >= _WRIST_FROM else None
-    links = [i for i in range(min(2, last), last + 1) if i != middle]
-    return tuple(_on(ordinary, link) for link in links)
+    return tuple(_on(ordinary, link) for link in range(min(2, last), last + 1))
 
 
 def _on(ordinary: Ordinary, link: int) -> Instance:
@@ -88,9 +83,26 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
         for name, slope in zip(names, slopes, strict=True):
             assembly.inertia_of[name] = link, slope
 
-    def describe(values: Mapping[str, float]) -> dict[str, object]:
+    def place_m(values: Mapping[str, float]) -> Array:
         first = np.array([values[m] for m in moments])
-        return {"link": name, "point_m": (center + lever(first, values[mass])).tolist()}
+        return np.asarray(center + lever(first, values[mass]))
+
+    def describe(values: Mapping[str, float]) -> dict[str, object]:
+        return {"link": name, "point_m": place_m(values).tolist()}
+
+    def is_also(values: Mapping[str, float], other: Instance) -> bool:
+        """A body on a joint's axis moves as if on either link of that joint, but for its turn."""
+        if other.effect is not WORDS:
+            return False
+        joints = ordinary.arm.joints
+        if other.place == joints[link - 1].link.name:
+            along, origin = np.asarray(joint.axis), np.zeros(3)
+        elif link + 1 < len(joints) and other.place == joints[link + 1].link.name:
+            T = joints[link + 1].T_parent_joint
+            along, origin = T[:3, :3] @ np.asarray(joints[link + 1].axis), T[:3, 3]
+        else:
+            return False
+        return bool(np.linalg.norm(np.cross(place_m(values) - origin, along)) < _ON_AXIS_M)
 
     return Instance(
         effect=WORDS,
@@ -114,6 +126,7 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
         ),
         builder=build,
         describe=describe,
+        is_also=is_also,
         size=mass,
         shapes=(radius,),
         material=min(_MATERIAL_KG, _MATERIAL * total),

@@ -31,7 +31,7 @@ from armodal.analyzer.gap.model.priors import (
     LEAST_LN_K_STD,
     PLACE_STD_M,
 )
-from armodal.analyzer.gap.model.scales import compliance, scale
+from armodal.analyzer.gap.model.scales import compliance, doubt, scale
 from armodal.analyzer.gap.model.soft_parts import add_soft_parts, base_lever_m, soft_part_parameters
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arm.records import Arm, Estimate
@@ -85,7 +85,7 @@ class Ordinary:
 
     def bearing_limit(self, joint: int) -> float:
         """Return the largest transverse compliance of a sound joint, rad/(N m)."""
-        return BEARING_LIMIT * self.scale(joint)
+        return doubt(self.superset, joint) * BEARING_LIMIT * self.scale(joint)
 
     @property
     def floor_limit(self) -> float:

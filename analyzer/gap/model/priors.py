@@ -51,6 +51,11 @@ JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07
 # A sound bearing of another gear may well give way more, and would then be named.
 BEARING_MEAN, BEARING_STD, BEARING_LIMIT = 0.006, 0.006, 0.025
 
+# How many times softer than by the weight it carries a drive may be that no file tells: sizes of
+# one series of gears are a factor of 1.6 to 3 apart (Harmonic Drive CSF), and nobody tells for what
+# tool a wrist is built.
+UNTOLD = 3.0
+
 # A base on its bolts, as parts of the arm's compliance; more is an effect. No source: a
 # foundation is meant to be stiffer than what stands on it by two orders of magnitude and more.
 FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT = 0.001, 0.003, 0.01

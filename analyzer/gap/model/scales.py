@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.model.priors import LEAST_CARRIED
+from armodal.analyzer.gap.model.priors import LEAST_CARRIED, UNTOLD
 
-__all__ = ["compliance", "reach_m", "scale"]
+__all__ = ["compliance", "doubt", "reach_m", "scale"]
 
 
 def compliance(superset: Superset) -> float:
@@ -31,6 +31,11 @@ def scale(superset: Superset, joint: int) -> float:
     bearings and castings are all chosen for that.
     """
     return _scales(superset)[joint]
+
+
+def doubt(superset: Superset, joint: int) -> float:
+    """Return how many times softer than its `scale` a joint's drive may be: 1 where it is told."""
+    return UNTOLD if superset.arm.joints[joint].stiffness is None else 1.0
 
 
 @lru_cache(maxsize=16)

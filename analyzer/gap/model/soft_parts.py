@@ -35,7 +35,7 @@ from armodal.analyzer.gap.model.priors import (
     TURN_MOST,
     TURN_STD,
 )
-from armodal.analyzer.gap.model.scales import compliance, reach_m, scale
+from armodal.analyzer.gap.model.scales import compliance, doubt, reach_m, scale
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arrays import frozen_array
 
@@ -121,20 +121,19 @@ def _of_base(superset: Superset) -> Iterator[Parameter]:
 
 def _of_bearing(superset: Superset, number: int) -> Iterator[Parameter]:
     joint, tilts = superset.arm.joints[number], scale(superset, number)
+    times = doubt(superset, number)
+    std, limit = times * BEARING_STD, times * BEARING_LIMIT
     for side in "ab":
-        yield _small(
-            f"bearing {side} {joint.name}", tilts, BEARING_MEAN, BEARING_STD, BEARING_LIMIT
-        )
+        yield _small(f"bearing {side} {joint.name}", tilts, BEARING_MEAN, std, limit)
     yield from _losses("bearing loss", joint.name)
     std_m = NEAR_M + 0.5 * _reach_along(superset, number)
     yield Parameter(name=f"bearing place {joint.name}", unit="m", mean=0.0, std=std_m)
     shifts = tilts * (BEARING_LEVER * reach_m(superset)) ** 2
     for way in ("radial", "axial"):
-        name, std = f"bearing {way} {joint.name}", SHIFT_STDS * BEARING_STD
-        yield _small(name, shifts, BEARING_MEAN, std, np.inf, unit="m/N")
+        name = f"bearing {way} {joint.name}"
+        yield _small(name, shifts, BEARING_MEAN, SHIFT_STDS * std, np.inf, unit="m/N")
     if joint.stiffness is None:
-        name = f"compliance of {joint.name}"
-        yield _small(name, tilts, BEARING_MEAN, BEARING_STD, BEARING_LIMIT)
+        yield _small(f"compliance of {joint.name}", tilts, BEARING_MEAN, std, limit)
 
 
 def _small(
