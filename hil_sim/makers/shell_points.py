@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -24,6 +25,7 @@ class ShellPoint:
     R_link_sensor: Array  # (3, 3)
 
 
+@lru_cache(maxsize=8)
 def shell_points(table: ArmTable) -> tuple[ShellPoint, ...]:
     """Place two points on every body, and the rest on those with the longest shells."""
     shells = [("base", table.base_shell)] + [(row.link, row.shell) for row in table.links]

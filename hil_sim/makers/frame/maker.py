@@ -77,7 +77,8 @@ def made(table: ArmTable, spec: CaseSpec) -> Made:
     for i, kind in enumerate(spec.kinds):
         hiding = _Hiding(drawn, spec, kind, spec.kinds[:i].count(kind))
         seen = partial(_seen, witness, hiding)
-        size, visible = _sized(seen, EFFECTS[kind].RANGE, VISIBLE[spec.size_class])
+        size = _sized(seen, EFFECTS[kind].RANGE, VISIBLE[spec.size_class])
+        visible = witness.left_by_drives(*hiding.put(drawn.parts, drawn.gear, size)[:2])
         parts, gear, told = hiding.put(parts, gear, size)
         where = hiding.place.split("|")
         place = where if len(where) > 1 else where[0]
@@ -126,10 +127,10 @@ def _seen(witness: Witness, hiding: _Hiding, size: float) -> float:
 
 def _sized(
     seen: Callable[[float], float], span: tuple[float, float] | None, wanted: float
-) -> tuple[float, float]:
-    """Return the size that is visible as wanted, and how visible it is: bisection in logarithms."""
+) -> float:
+    """Return the size that is visible as wanted: bisection in logarithms."""
     if span is None:
-        return 1.0, seen(1.0)
+        return 1.0
     low, high = np.log(span)
     best = (0.0, 0.0)
     for _ in range(LOOKS):
@@ -140,7 +141,7 @@ def _sized(
         if wanted / CLOSE < visible < wanted * CLOSE:
             break
         low, high = (middle, high) if visible < wanted else (low, middle)
-    return best
+    return best[0]
 
 
 def _truth(drawn: Everyday, spec: CaseSpec, hidden: list[Hidden]) -> dict[str, Any]:

@@ -3,11 +3,12 @@
 This maker's measure of size. FRFs on broad lines are compared with those of the everyday arm; what
 other stiffnesses and losses of the drives explain best is taken off first, since nobody knows
 these; what is left is counted in standard deviations of everyday arms drawn within the tolerances.
+Sizes are drawn by what drives explain to first order; told is what they leave when they are fitted.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -23,10 +24,10 @@ from armodal.hil_sim.makers.frame.everyday import (
     within,
 )
 from armodal.hil_sim.makers.frame.frfs import felt_per_wrench
-from armodal.hil_sim.makers.frame.modal import modal
+from armodal.hil_sim.makers.frame.modal import Modal, modal
 from armodal.hil_sim.makers.frame.parts import Parts
-from armodal.hil_sim.makers.frame.standing import stand
-from armodal.hil_sim.makers.frame.structure import Complex
+from armodal.hil_sim.makers.frame.standing import Standing, stand
+from armodal.hil_sim.makers.frame.structure import Complex, Law
 from armodal.hil_sim.streams import stream
 from armodal.protocols.plan_records import Plan
 
@@ -43,6 +44,11 @@ DRAWS = 10
 OWN_SCATTER = 0.01  # of an FRF's magnitude: gains and repeats
 OTHER_SCATTER = 0.006  # of the root mean square of all FRFs
 STEP = 0.02  # of ln of a drive's stiffness and loss
+HIGHEST_HZ = 400.0  # of the modes that are kept
+WIDER = (0.4, 0.15)  # than a line is, where a fit of drives begins: it finds its way from far
+# Of Gauss and Newton, which end where one leaves hardly less; parts of a step that are tried, and
+# its most, of a logarithm.
+STEPS, HARDLY, PARTS, FARTHEST = 8, 0.97, (1.0, 0.5, 0.25, 0.1), 1.0
 
 
 @dataclass(frozen=True)
@@ -59,6 +65,43 @@ class Witness:
         explained, *_ = np.linalg.lstsq(self._drives, change, rcond=None)
         left = change - self._drives @ explained
         return float(np.sqrt(2.0 * np.mean(left**2)))
+
+    def left_by_drives(self, parts: Parts, gear: Gear) -> float:
+        """Visibility of what no other drives imitate, however far off.
+
+        Slopes do not imitate what moves a resonance by more than its width, such as a servo that is
+        faster than every mode and so a spring.
+        """
+        changed = self._modes(parts)
+        drives = np.zeros(2 * len(self.drawn.elastic))
+        for width in WIDER:
+            _, drives = self._fitted(self._felt(changed, gear, width), drives, width)
+        frfs = self._felt(changed, gear, WIDTH)
+        return min(self._fitted(frfs, begin, WIDTH)[0] for begin in (drives, 0.0 * drives))
+
+    def _fitted(self, frfs: Complex, drives: Array, width: float) -> tuple[float, Array]:
+        """What everyday drives leave of FRFs at best, and those drives, begun at some.
+
+        `drives` are logarithms of stiffness and loss over the everyday ones, drive by drive.
+        """
+
+        def left(at: Array) -> Array:
+            return _parted((frfs - self._imitated(at, width)) / self._scatter)
+
+        ways = STEP * np.eye(len(drives))
+        here = left(drives)
+        for _ in range(STEPS):
+            slopes = np.column_stack([(here - left(drives + way)) / STEP for way in ways])
+            step, *_ = np.linalg.lstsq(slopes, here, rcond=None)
+            step *= min(1.0, FARTHEST / float(np.abs(step).max()))
+            trials = [(left(drives + part * step), drives + part * step) for part in PARTS]
+            there, found = min(trials, key=lambda trial: float(np.linalg.norm(trial[0])))
+            gained = float(np.linalg.norm(there) / np.linalg.norm(here))
+            if gained < 1.0:
+                here, drives = there, found
+            if gained > HARDLY:
+                break
+        return float(np.sqrt(2.0 * np.mean(here**2))), drives
 
     @cached_property
     def _plain(self) -> Complex:
@@ -110,19 +153,55 @@ class Witness:
 
     def _frfs(self, parts: Parts, gear: Gear) -> Complex:
         """FRFs, (postures, points, lines, 3)."""
-        s = np.asarray((WIDTH + 1j) * 2.0 * np.pi * LINES, dtype=np.complex128)
+        return self._felt(self._modes(parts), gear, WIDTH)
+
+    def _modes(self, parts: Parts) -> list[tuple[Standing, Modal]]:
+        """An arm in every posture that is looked at, and its modes."""
+        standings = [stand(parts, self.plan.postures[i].joints_rad) for i in SEEN]
+        return [(standing, modal(standing, HIGHEST_HZ)) for standing in standings]
+
+    @cached_property
+    def _everyday(self) -> list[tuple[Standing, Modal, list[Array]]]:
+        """The everyday arm, with every drive's turn on its modes."""
+        return [
+            (standing, modes, [modes.shapes.T @ standing.turn(j) for j in self.drawn.elastic])
+            for standing, modes in self._modes(self.drawn.parts)
+        ]
+
+    def _imitated(self, drives: Array, width: float) -> Complex:
+        """FRFs of the everyday arm with other drives: on its own modes, as further laws."""
+        more = [
+            self._more(joint, float(ln_k), float(ln_loss))
+            for joint, (ln_k, ln_loss) in zip(
+                self.drawn.elastic, drives.reshape(-1, 2), strict=True
+            )
+        ]
+        both = [
+            (standing, replace(modes, laws=(*modes.laws, *zip(turns, more, strict=True))))
+            for standing, modes, turns in self._everyday
+        ]
+        return self._felt(both, self.drawn.gear, width)
+
+    def _more(self, joint: str, ln_k: float, ln_loss: float) -> Law:
+        """What a drive has more than the everyday one, stiffness and loss off by factors."""
+        stiffness = self.drawn.parts.drives[joint].stiffness
+        loss, power = self.drawn.loss[joint]
+        was = power_law(stiffness, loss, power)
+        now = power_law(stiffness, loss * float(np.exp(ln_loss)), power)
+        return lambda s: stiffness * np.expm1(ln_k) + now(s) - was(s)
+
+    def _felt(self, both: list[tuple[Standing, Modal]], gear: Gear, width: float) -> Complex:
+        s = np.asarray((width + 1j) * 2.0 * np.pi * LINES, dtype=np.complex128)
+        kg = self.plan.sensor.mass_kg + gear.added_kg
+        factor = (np.exp(-s * gear.lag_s) / gear.force_gain)[:, None]
         seen = []
-        for i in SEEN:
+        for i, (standing, modes) in zip(SEEN, both, strict=True):
             posture = self.plan.postures[i]
-            standing = stand(parts, posture.joints_rad)
             names = posture.points[::EVERY]
             at = [standing.point(gear.exchanged.get(name, name)) for name in names]
             fixed = standing.point(gear.exchanged.get(self.plan.fixed_point, self.plan.fixed_point))
-            kg = self.plan.sensor.mass_kg + gear.added_kg
-            spots = [spot for spot, _ in at]
-            felt = felt_per_wrench(standing, modal(standing, 400.0), s, spots, [fixed[0]], kg)
+            felt = felt_per_wrench(standing, modes, s, [spot for spot, _ in at], [fixed[0]], kg)
             told = posture.hit_direction if posture.hit_direction is not None else -fixed[1][:, 2]
-            factor = (np.exp(-s * gear.lag_s) / gear.force_gain)[:, None]
             seen.append(
                 [
                     (f[:, :, 0, :3] @ told) @ axes @ gear.response.T * factor
