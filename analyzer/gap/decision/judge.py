@@ -129,6 +129,8 @@ def is_plainer(joint: Fit, axis: Fit, present: Fit) -> bool:
     missing, which `present` has not.
     """
     gain = present.evidence - axis.evidence
+    if joint.last.effect is axis.last.effect:
+        return False  # at two places, and the better has the name
     return _is_also(axis, joint) and joint.evidence - axis.evidence < _PART_OF_GAIN * gain
 
 

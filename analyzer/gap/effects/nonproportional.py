@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.gap.effects.shared_axis import is_on_shared_axis
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import PostureGeometry, skew
@@ -42,7 +43,6 @@ _STD_M, _FLOOR_STD_M = 0.15, 0.3
 _FLOOR_M = (0.0, 0.0, 0.1)
 _SIZE = 5.0  # of the mean joint damping over the square of a lever
 _LEVER, _LEAST_M = 0.6, 1e-3  # of the longest step from joint to joint; a length that is none
-_ON_AXIS_M = 0.03  # inside a joint's bearing: both links move alike there
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -133,17 +133,9 @@ def between(ordinary: Ordinary, near: int, far: int) -> Instance:
 
     def is_also(values: Mapping[str, float], other: Instance) -> bool:
         """A damper that ends on a joint's axis ends on either link of that joint."""
-        names = [joint.link.name for joint in ordinary.arm.joints]
-        theirs = other.place.split(" and ")[-1]
-        if other.effect is not WORDS or abs(names.index(theirs) - far) != 1:
-            return False
         end = np.array([values[n] for n in to_coordinates])
-        joint = ordinary.arm.joints[max(names.index(theirs), far)]
-        axis, at = np.asarray(joint.axis), np.zeros(3)
-        if theirs == joint.link.name:
-            T = joint.T_parent_joint
-            axis, at = T[:3, :3] @ axis, T[:3, 3]
-        return bool(np.linalg.norm(np.cross(end - at, axis)) < _ON_AXIS_M)
+        theirs = other.place.split(" and ")[-1]
+        return other.effect is WORDS and is_on_shared_axis(ordinary, far, end, theirs)
 
     def place(names: list[str], link: int) -> list[Parameter]:
         std_m = _FLOOR_STD_M if link == FLOOR else _STD_M

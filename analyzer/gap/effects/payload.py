@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.gap.effects.shared_axis import is_on_shared_axis
 from armodal.analyzer.gap.model.assembly import Assembly, spatial_inertia
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import skew
@@ -33,7 +34,6 @@ _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of n
 _STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
 _LEAST_KG, _FURTHEST_M = 0.02, 0.15
 _STEP = 1e-6  # kg and kg m, for slopes
-_ON_AXIS_M = 0.03  # inside a joint: both links move alike there
 # Of gyration: from a compact tool flange to a spread gripper with hoses. No source: assumed.
 _RADIUS_M, _RADIUS_STD_M, _LARGEST_M = 0.08, 0.07, 0.35
 
@@ -92,17 +92,8 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
 
     def is_also(values: Mapping[str, float], other: Instance) -> bool:
         """A body on a joint's axis moves as if on either link of that joint, but for its turn."""
-        if other.effect is not WORDS:
-            return False
-        joints = ordinary.arm.joints
-        if other.place == joints[link - 1].link.name:
-            along, origin = np.asarray(joint.axis), np.zeros(3)
-        elif link + 1 < len(joints) and other.place == joints[link + 1].link.name:
-            T = joints[link + 1].T_parent_joint
-            along, origin = T[:3, :3] @ np.asarray(joints[link + 1].axis), T[:3, 3]
-        else:
-            return False
-        return bool(np.linalg.norm(np.cross(place_m(values) - origin, along)) < _ON_AXIS_M)
+        on_it = is_on_shared_axis(ordinary, link, place_m(values), other.place)
+        return other.effect is WORDS and on_it
 
     return Instance(
         effect=WORDS,

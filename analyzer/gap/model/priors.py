@@ -51,9 +51,9 @@ JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07
 # A sound bearing of another gear may well give way more, and would then be named.
 BEARING_MEAN, BEARING_STD, BEARING_LIMIT = 0.006, 0.006, 0.025
 
-# How many times softer than by the weight it carries a drive may be that no file tells: sizes of
-# one series of gears are a factor of 1.6 to 3 apart (Harmonic Drive CSF), and nobody tells for what
-# tool a wrist is built.
+# How many times softer than by the weight it carries a drive may be that no file tells. No source:
+# sizes of a series of gears are a factor of about two apart, and nobody tells for what tool a wrist
+# is built.
 UNTOLD = 3.0
 
 # A base on its bolts, as parts of the arm's compliance; more is an effect. No source: a

@@ -258,6 +258,11 @@ def test_a_joint_believed_rigid_is_the_name_only_where_an_axis_on_it_explains_li
     assert not is_plainer(joint, with_changed(line, is_also=lambda *_: False), ORDINARY)
 
 
+def test_of_one_effect_at_two_places_that_are_alike_the_better_has_the_name():
+    line = with_changed(axis(ORDINARY.evidence - 1000.0), is_also=lambda *_: True)
+    assert not is_plainer(axis(line.evidence + 50.0), line, ORDINARY)
+
+
 def with_changed(fit, **changes):
     """A fit whose only effect is changed."""
     (instance,) = fit.hypothesis.instances
