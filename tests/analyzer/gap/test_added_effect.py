@@ -203,9 +203,9 @@ def test_what_holds_the_name_inside_it_takes_it_only_where_the_rest_is_large_eno
 def test_an_axis_that_lies_on_the_named_joint_takes_its_name_only_by_much(
     behind, is_taken, monkeypatch
 ):
-    words = SimpleNamespace(name="made", title="")
-    joint = Instance(effect=words, place="joint")
-    axis = Instance(effect=words, place="axis", is_also=lambda _values, other: other is joint)
+    plain, askew = (SimpleNamespace(name=name, title="") for name in ("joint", "axis"))
+    joint = Instance(effect=plain, place="joint")
+    axis = Instance(effect=askew, place="axis", is_also=lambda _values, other: other is joint)
 
     def fitted(stage, hypothesis, *, resumed=None, **_):
         return resumed or fit_to(hypothesis, 100.0 - behind)
