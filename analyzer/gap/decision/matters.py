@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
@@ -14,17 +17,31 @@ MOST = 0.5  # of a misfit: what explains as much explains more than all others t
 
 
 def is_material(fit: Fit, instance: Instance, phi: float) -> bool:
-    """Whether an effect's size is worth a name: of several parts the largest that the data tell.
+    """Whether what the data tell of an effect's size is worth a name.
 
     A point's place off by 2 cm +- 8 along a way that no hit tells is off by nothing there.
     """
-    told = [
-        name
-        for name, own in intervals(fit, instance.sizes, phi).items()
-        if not own.low <= 0.0 <= own.high
-    ]
-    untold = {name: 0.0 for name in instance.sizes if told and name not in told}
-    return instance.is_material({**fit.values, **untold})
+    return instance.is_material({**fit.values, **_told(fit, instance, phi)})
+
+
+def _told(fit: Fit, instance: Instance, phi: float) -> dict[str, float]:
+    """A size in several parts with what its 95 % interval lets be nothing taken as nothing.
+
+    Along the principal directions of the parts' covariance, since parts may be told together
+    that are not told singly. All parts of one effect have one unit.
+    """
+    own = intervals(fit, instance.sizes, phi)
+    told = {name: 0.0 if i.low <= 0.0 <= i.high else i.value for name, i in own.items()}
+    free = [name for name in own if fit.free[fit.space.index[name]]]
+    if len(free) < 2:
+        return told if len(own) > 1 else {}
+    at = [fit.space.index[name] for name in free]
+    scale = np.array([fit.space.parameters[i].std for i in at])
+    covariance = fit.covariance(phi)[np.ix_(at, at)] * np.outer(scale, scale)
+    variances, directions = np.linalg.eigh(covariance)
+    along = directions.T @ [own[name].value for name in free]
+    along[np.abs(along) <= TWO_SIDED_95 * np.sqrt(variances)] = 0.0
+    return told | dict(zip(free, (directions @ along).tolist(), strict=True))
 
 
 def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance, phi: float) -> bool:

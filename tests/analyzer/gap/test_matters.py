@@ -1,7 +1,9 @@
 """Which effects are large enough to be worth a name, by what the data tell of them."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
 
@@ -27,26 +29,32 @@ def test_a_small_effect_matters_where_a_joint_would_be_told_wrongly_without_it(s
     assert matters(stage, without, fit, small, 1.0) is told
 
 
+_APART = ((1.0, 0.0), (0.0, 1.0))  # each part told by itself, or not
+_TOGETHER = ((0.5, 0.5), (-0.5, 0.5))  # the sum, and the difference
+
+
 @pytest.mark.parametrize(
-    ("shifts_m", "stds_m", "is_told"),
+    ("shifts_m", "ways", "stds_m", "is_told"),
     [
-        ((0.022, 0.010), (0.08, 0.002), False),  # 2 cm along a way that no hit tells
-        ((0.022, 0.010), (0.004, 0.002), True),
-        ((0.022, 0.022), (0.08, 0.08), True),  # nothing told of either: as before
+        ((0.022, 0.010), _APART, (0.08, 0.002), False),  # 2 cm along a way that no hit tells
+        ((0.022, 0.010), _APART, (0.004, 0.002), True),
+        ((0.022, 0.022), _APART, (0.08, 0.08), False),
+        ((0.022, 0.022), _TOGETHER, (0.002, 0.08), True),  # neither told alone, but their sum is
+        ((0.060, -0.040), _TOGETHER, (0.002, 0.08), False),  # of which the sum is 2 cm
     ],
 )
 def test_what_the_data_do_not_tell_of_a_size_in_several_parts_makes_it_no_larger(
-    shifts_m, stds_m, is_told
+    shifts_m, ways, stds_m, is_told
 ):
-    parameters = [
-        Parameter(name=f"shift {axis}", unit="m", mean=0.0, std=std)
-        for axis, std in zip("xy", stds_m, strict=True)
-    ]
+    prior_m = 1.0  # far beyond what the data tell, so that it adds nothing
+    parameters = [Parameter(name=f"shift {axis}", unit="m", mean=0.0, std=prior_m) for axis in "xy"]
     names = tuple(p.name for p in parameters)
     off = Instance(
         effect=wrong_point.WORDS, place="point 4", size=names[0], sizes=names, material=0.02
     )
-    u = [shift / std for shift, std in zip(shifts_m, stds_m, strict=True)]
-    # No curvature is known of a made fit: deviations are those of the priors.
-    fit = made_fit(Hypothesis(ordinary=None), cost=1.0, space=Space(parameters), u=u)
+    W = np.array(ways)
+    fit = replace(
+        made_fit(Hypothesis(ordinary=None), cost=1.0, space=Space(parameters), u=shifts_m),
+        curvature=W.T @ np.diag(1.0 / np.square(stds_m)) @ W,
+    )
     assert is_material(fit, off, 1.0) is is_told
