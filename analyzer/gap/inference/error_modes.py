@@ -35,6 +35,7 @@ __all__ = [
     "opposed",
     "released",
     "sensitivities",
+    "settled",
 ]
 
 Array = npt.NDArray[np.float64]
@@ -98,6 +99,30 @@ def opposed(parts: Sequence[Sensitivities]) -> list[Sensitivities]:
         replace(part, left=part.left * part.side[:, None])
         for part in parts
         if part.side is not None
+    ]
+
+
+def settled(
+    parts: Sequence[Sensitivities], free: npt.NDArray[np.int64], pull: Array
+) -> list[Sensitivities]:
+    """The same with the residuals that one more step of the fit would leave.
+
+    A fit ends where a step brings little beside what is left. Along what one posture alone tells,
+    the rest of the way would be taken for what the others foretell, as well as they know it: for
+    an error as many times larger as they know it worse.
+
+    Parameters
+    ----------
+    pull
+        (n,) slope of the fit's prior, which the data's balances at the very end.
+    """
+    n = len(free)
+    slope = pull - sum(part.raw[free].reshape(n, -1) @ part.left.reshape(-1) for part in parts)
+    root = _root_of_inverse(curvature_of(parts)[np.ix_(free, free)])
+    step = -root.T @ (root @ slope)
+    return [
+        replace(part, left=part.left - np.tensordot(step, part.clean[free], axes=1))
+        for part in parts
     ]
 
 

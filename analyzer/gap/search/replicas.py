@@ -32,9 +32,11 @@ from armodal.analyzer.gap.inference.error_modes import (
     opposed,
     released,
     sensitivities,
+    settled,
 )
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.search.scan import small
 
 __all__ = ["Gains", "replica_gains"]
@@ -91,6 +93,7 @@ def replica_gains(
     free = np.array([at[n] for n in at if n not in apart and (n in moved or n in relaxed)])
 
     H = curvature_of(parts)
+    parts = settled(parts, fitted, _pull(best, space))
     rng = np.random.default_rng(seed)
     G = _drawn(parts, fitted, rng)
     prior = _within(space.least[free], space.most[free], rng.random((len(free), _N_REPLICAS)))
@@ -132,6 +135,16 @@ def replica_gains(
         dispersion=typical,
         error_ratio=max(shared, 0.0) / len(parts),
     )
+
+
+def _pull(fit: Fit, space: Space) -> Array:
+    """(n,) slope of a fit's own prior along what it moved, in a wider space's order and units."""
+    own = {
+        p.name: u / p.std
+        for p, u, free in zip(fit.space.parameters, fit.u, fit.free, strict=True)
+        if free
+    }
+    return np.array([own[n] * space.std[i] for n, i in space.index.items() if n in own])
 
 
 def _drawn(

@@ -9,6 +9,7 @@ from armodal.analyzer.gap.inference.error_modes import (
     error_slopes,
     opposed,
     released,
+    settled,
 )
 
 N_FREE, CHANNELS, LINES, POSTURES = 40, 9, 5, 4
@@ -40,6 +41,34 @@ def test_what_a_fit_took_of_the_errors_is_given_back_on_average():
     # Mean of 200; unbiased where errors are independent and parameters as their priors: here none
     # is off, and the prior keeps a little less than that.
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.03)
+
+
+def test_the_rest_of_a_fit_s_way_is_no_error_of_what_tells_a_direction_alone():
+    """Three postures tell a parameter a thousandth as well as the fourth, and the fit has a step
+    to go there that brings eight nats, few beside what is left.
+    """
+    rng = np.random.default_rng(4)
+    free = np.arange(N_FREE)
+    J = rng.standard_normal((POSTURES, N_FREE, CHANNELS, 2 * LINES))
+    J[1:, 0] *= 1e-3
+    J[0, 0] *= 100.0
+    e = 10.0 * rng.standard_normal((POSTURES, CHANNELS, 2 * LINES))
+    flat = J.transpose(1, 0, 2, 3).reshape(N_FREE, -1)
+    ended = np.linalg.solve(flat @ flat.T + np.eye(N_FREE), flat @ e.reshape(-1))
+
+    def parts_at(u):
+        left = e - np.tensordot(u, J.transpose(1, 0, 2, 3), axes=1)
+        return [Sensitivities(raw=j, clean=j, left=r) for j, r in zip(J, left, strict=True)]
+
+    short = ended.copy()
+    short[0] += 4.0 / np.linalg.norm(J[0, 0])
+    size = np.linalg.norm(released(parts_at(ended), free))
+    assert np.linalg.norm(released(parts_at(short), free)) > 10.0 * size
+    for u in (ended, short):
+        there = settled(parts_at(u), free, u)
+        np.testing.assert_allclose(
+            [p.left for p in there], [p.left for p in parts_at(ended)], atol=1e-9
+        )
 
 
 def test_all_modes_with_amplitude_one_are_the_error_itself():
