@@ -15,6 +15,7 @@ import numpy as np
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.linearised import swings_of
 from armodal.analyzer.gap.model.lines import PostureLines, scatter
@@ -25,6 +26,7 @@ __all__ = [
     "Apart",
     "any_level",
     "changes_with_level",
+    "gain_with",
     "told_apart",
     "weighed_anew",
 ]
@@ -39,6 +41,12 @@ def changes_with_level(stage: Stage, fit: Fit) -> list[Candidate]:
     if fit.hypothesis.level_dependent or not changes:
         return []
     return scan_instances(stage, fit, changes)
+
+
+def gain_with(stage: Stage, fit: Fit, change: Instance) -> float:
+    """Nats of evidence that a look's change brings when it is fitted."""
+    wider = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, change))
+    return fit.evidence - fit_hypothesis(stage, wider, start=fit.values).evidence
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

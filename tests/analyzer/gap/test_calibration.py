@@ -141,9 +141,12 @@ def test_any_of_several_is_beyond_its_limit_by_chance_as_seldom_as_accepted(n, m
 def test_the_level_tells_where_a_joint_promises_more_than_chance_brings_any(n, monkeypatch):
     limits = made_calibration(apart=20.0)
     least = 20.0 * (1.0 + np.log(n) / np.log(100.0))
-    for most, is_told in ((0.99 * least, False), (1.01 * least, True)):
-        promised = [SimpleNamespace(gain=gain) for gain in (most, *[0.0] * (n - 1))]
+    less, more = 0.99 * least, 1.01 * least
+    for most, kept, is_told in ((less, more, False), (more, less, False), (more, more, True)):
+        gains = (most, *[0.0] * (n - 1))
+        promised = [SimpleNamespace(gain=gain, instance=None) for gain in gains]
         monkeypatch.setattr(calibration, "changes_with_level", lambda *_, p=promised: p)
+        monkeypatch.setattr(calibration, "gain_with", lambda *_, k=kept: k)
         assert is_told_by_level(None, None, limits) == is_told
     # Hits together, or an effect that follows the level: there is nothing to look at.
     monkeypatch.setattr(calibration, "changes_with_level", lambda *_: [])
@@ -196,8 +199,9 @@ def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
     gain, size, leaves, by_level, wanted, monkeypatch
 ):
     limits = made_calibration(apart=20.0, limits={"much": 40.0})
-    promised = [SimpleNamespace(gain=by_level)]
+    promised = [SimpleNamespace(gain=by_level, instance=None)]
     monkeypatch.setattr(calibration, "changes_with_level", lambda *_: promised)
+    monkeypatch.setattr(calibration, "gain_with", lambda *_: by_level)
     monkeypatch.setattr(calibration, "calibrate", lambda *_: limits)
     monkeypatch.setattr(calibration, "misfit_per_line", lambda *_: 2.0)
     monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: leaves)

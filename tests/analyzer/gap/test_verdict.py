@@ -29,13 +29,14 @@ ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()), level_span=0.0)
 
 @pytest.fixture(autouse=True)
 def by_level(monkeypatch):
-    """Nats that each joint's change with the level promises, best first; none of itself."""
+    """Nats that each joint's change with the level promises, and a fit keeps; none of itself."""
     gains = []
     monkeypatch.setattr(
         calibration,
         "changes_with_level",
-        lambda *_: [SimpleNamespace(gain=gain) for gain in gains],
+        lambda *_: [SimpleNamespace(gain=gain, instance=None) for gain in gains],
     )
+    monkeypatch.setattr(calibration, "gain_with", lambda *_: gains[0])
     return gains
 
 
