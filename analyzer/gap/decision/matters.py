@@ -34,7 +34,7 @@ def _told(fit: Fit, instance: Instance, phi: float) -> dict[str, float]:
     told = {name: 0.0 if i.low <= 0.0 <= i.high else i.value for name, i in own.items()}
     free = [name for name in own if fit.free[fit.space.index[name]]]
     if len(free) < 2:
-        return told if len(own) > 1 else {}
+        return told
     at = [fit.space.index[name] for name in free]
     scale = np.array([fit.space.parameters[i].std for i in at])
     covariance = fit.covariance(phi)[np.ix_(at, at)] * np.outer(scale, scale)

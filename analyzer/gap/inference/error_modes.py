@@ -103,7 +103,7 @@ def opposed(parts: Sequence[Sensitivities]) -> list[Sensitivities]:
 
 
 def settled(
-    parts: Sequence[Sensitivities], free: npt.NDArray[np.int64], pull: Array
+    parts: Sequence[Sensitivities], free: npt.NDArray[np.int64], curvature: Array, pull: Array
 ) -> list[Sensitivities]:
     """The same with the residuals that one more step of the fit would leave.
 
@@ -113,12 +113,14 @@ def settled(
 
     Parameters
     ----------
+    curvature
+        (n, n) of the free parameters over all postures (`curvature_of`).
     pull
         (n,) slope of the fit's prior, which the data's balances at the very end.
     """
     n = len(free)
     slope = pull - sum(part.raw[free].reshape(n, -1) @ part.left.reshape(-1) for part in parts)
-    root = _root_of_inverse(curvature_of(parts)[np.ix_(free, free)])
+    root = _root_of_inverse(curvature)
     step = -root.T @ (root @ slope)
     return [
         replace(part, left=part.left - np.tensordot(step, part.clean[free], axes=1))

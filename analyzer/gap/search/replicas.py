@@ -93,7 +93,7 @@ def replica_gains(
     free = np.array([at[n] for n in at if n not in apart and (n in moved or n in relaxed)])
 
     H = curvature_of(parts)
-    parts = settled(parts, fitted, _pull(best, space))
+    parts = settled(parts, fitted, H[np.ix_(fitted, fitted)], _pull(best, space))
     rng = np.random.default_rng(seed)
     G = _drawn(parts, fitted, rng)
     prior = _within(space.least[free], space.most[free], rng.random((len(free), _N_REPLICAS)))

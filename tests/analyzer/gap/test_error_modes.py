@@ -65,7 +65,7 @@ def test_the_rest_of_a_fit_s_way_is_no_error_of_what_tells_a_direction_alone():
     size = np.linalg.norm(released(parts_at(ended), free))
     assert np.linalg.norm(released(parts_at(short), free)) > 10.0 * size
     for u in (ended, short):
-        there = settled(parts_at(u), free, u)
+        there = settled(parts_at(u), free, flat @ flat.T, u)
         np.testing.assert_allclose(
             [p.left for p in there], [p.left for p in parts_at(ended)], atol=1e-9
         )
