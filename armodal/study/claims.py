@@ -63,9 +63,14 @@ _FIGURES: tuple[tuple[str, Callable[[Line], str], str], ...] = (
         "1.5 %",
     ),
     (
-        "— its range covers, every verdict",
-        lambda s: _rate(s["main_k"]["range_covers"]),
+        "— its 95 % interval covers, every verdict",
+        lambda s: _rate(s["main_k"]["interval_covers"]),
         "92 to 98 %",
+    ),
+    (
+        "— its range covers, what nobody would see included",
+        lambda s: _rate(s["main_k"]["range_covers"]),
+        "95 %",
     ),
     (
         "— half width of the range, median",

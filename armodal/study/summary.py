@@ -171,19 +171,28 @@ def _stiffness_errors(
     main = [row for x in lines for row in x["stiffness"][:_MAIN_JOINTS]]
     errors = [abs(row["k"] / row["true"] - 1.0) for row in main]
     inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
-    near = sum(abs(np.log(row["k"] / row["true"])) <= 1.96 * row["std"] / row["k"] for row in rows)
     if not rows:
         return errors, {}, {}
-    return errors, asdict(rate(near, len(rows))), asdict(rate(inside, len(rows)))
+    return errors, asdict(rate(_within(rows), len(rows))), asdict(rate(inside, len(rows)))
+
+
+def _within(rows: Sequence[Line]) -> int:
+    """Of how many joints k is within 1.96 of its deviations."""
+    return sum(abs(np.log(row["k"] / row["true"])) <= 1.96 * row["std"] / row["k"] for row in rows)
 
 
 def _main_stiffness(right: Sequence[Line], lines: Sequence[Line]) -> dict[str, Any]:
-    """Of the first joints: error of nulls and names that are right; the range of every verdict."""
+    """Of the first joints: error of nulls and names that are right; intervals of every verdict.
+
+    The interval is k with 1.96 of its deviations either way, the range what all that nobody would
+    see leaves of it (`stiffness_ranges`).
+    """
     told = [row for x in right for row in x["stiffness"][:_MAIN_JOINTS]]
     rows = [row for x in lines for row in x["stiffness"][:_MAIN_JOINTS]]
     inside = sum(row["low"] <= row["true"] <= row["high"] for row in rows)
     return {
         "error_median": _median([abs(row["k"] / row["true"] - 1.0) for row in told]),
+        "interval_covers": asdict(rate(_within(rows), len(rows))),
         "range_covers": asdict(rate(inside, len(rows))),
         "half_width_median": _median([np.log(row["high"] / row["low"]) / 2.0 for row in rows]),
     }

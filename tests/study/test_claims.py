@@ -48,9 +48,18 @@ def test_figures_are_counted_maker_by_maker_and_together():
     assert begins["two at once, both named"] == ["", "", ""]
     assert begins["wrong or surplus names, effects"] == ["1 of 2", "0 of 1", "1 of 3"]
     # Three of four joints are asked for, and only a right case tells of its size and k's error.
-    assert begins["— its range covers, every verdict"] == ["9 of 9", "6 of 6", "15 of 15"]
+    range_covers = begins["— its range covers, what nobody would see included"]
+    assert range_covers == ["9 of 9", "6 of 6", "15 of 15"]
     assert begins["size of a named effect in its 95 % interval"] == ["0 of 1", "", "0 of 1"]
     assert cells["k of joints 1 to 3, median error (right verdicts)"] == ("2.00 %",) * 3
+
+
+def test_an_interval_is_told_beside_the_range_of_all_that_could_hide():
+    # Off by 2 %: within 1.96 deviations of 1.1 %, beyond those of 1 %; the range is 10 % wide.
+    cases = [line("right", stiffness=[JOINT | {"std": std}] * 3) for std in (0.011, 0.01)]
+    cells = {row[0]: row[1].split(" (")[0] for row in claims({"home": cases}).rows}
+    assert cells["— its 95 % interval covers, every verdict"] == "3 of 6"
+    assert cells["— its range covers, what nobody would see included"] == "6 of 6"
 
 
 def drawn(confidences, seed, right_of=lambda c: c):
