@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 
 import numpy as np
 import numpy.typing as npt
-import scipy.special
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
+from armodal.analyzer.gap.effects.hinges import hinges_along, parts_along
 from armodal.analyzer.gap.effects.link_axis import at_axis, splits
 from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.model.assembly import Assembly
@@ -54,12 +53,7 @@ def given_way(
         for what in ("compliance", "loss", "loss factor", "spread", "taper", "middle")
     )
     yielding = YieldingLine(line=line, bends=bends, word=word)
-    columns = ordinary.superset.interface_columns(line.link)
-    part = line.length_m / SLICES
-    insides = [
-        line.inside(ordinary.superset, s - 0.5 * part, s + 0.5 * part, 1 + where)
-        for where, s in enumerate(line.places_m)
-    ]
+    hinges = hinges_along(ordinary.superset, yielding, taper, middle)
     edges = np.array([0.0, *line.places_m, line.length_m])
     masses = np.diff(edges) / line.length_m
     middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
@@ -70,32 +64,19 @@ def given_way(
         # A link that both bends and twists is in the same pieces.
         offsets = apart(body, line.along, masses, values[spread] * middles)
         assembly.pieces.setdefault(line.link, (masses, offsets))
-        parts, by_shape = _parts(values[taper], values[middle])
-        shares, by_sharing = yielding.shares(values)
-        for (where, s), number in product(enumerate(line.places_m), range(yielding.n_hinges)):
-            column = np.zeros((1 + len(yielding.moving), ordinary.superset.n))
-            twist, by_moving = yielding.hinge(values, s, number)
-            column[:, columns] = [twist, *by_moving]
-            whole, share = line.length_m * parts[where], shares[number]
-            by_shapes = line.length_m * by_shape[:, where] * share, whole * by_sharing[:, number]
+        for hinge in hinges(values):
             at = assembly.add_compliance(
-                column[0],
+                hinge.motion,
                 values[gamma],
                 values[loss],
                 gamma,
                 loss,
-                part=float(whole * share),
-                part_slopes=dict(
-                    zip(
-                        (taper, middle, *yielding.sharing),
-                        np.hstack(by_shapes).tolist(),
-                        strict=True,
-                    )
-                ),
+                part=hinge.part_m,
+                part_slopes=hinge.part_slopes,
             )
             assembly.add_loss_factor([at], values[factor], factor)
-            assembly.inside[at] = insides[where]
-            for name, moved in zip(yielding.moving, column[1:], strict=True):
+            assembly.inside[at] = hinge.inside
+            for name, moved in hinge.moved:
                 assembly.motion_of.setdefault(name, []).append((at, moved))
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
@@ -118,7 +99,7 @@ def given_way(
         """
         rest = {k: v for k, v in values.items() if k not in own}
         whole = values[gamma] * line.length_m
-        parts, _ = _parts(values[taper], values[middle])
+        parts, _ = parts_along(values[taper], values[middle])
         at = float(parts @ ((np.arange(SLICES) + 0.5) / SLICES))
         start, end = yielding.ends(values)
         point_m = start + at * (end - start)
@@ -166,11 +147,3 @@ def given_way(
         pieces=f"hinges {line.name}",
         material=material * ordinary.scale(line.link) / line.length_m,
     )
-
-
-def _parts(taper: float, middle: float) -> tuple[Array, Array]:
-    """Parts (SLICES,) of the whole that each hinge yields, and their slopes (2, SLICES)."""
-    place = (np.arange(SLICES) + 0.5) / SLICES - 0.5
-    by = np.stack([place, 1.0 - 2.0 * np.abs(place)])
-    parts = scipy.special.softmax(np.array([taper, middle]) @ by)
-    return parts, parts * (by - (by @ parts)[:, None])

@@ -5,6 +5,7 @@ import pytest
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import link_axis, link_torsion
+from armodal.analyzer.gap.effects.hinges import hinges_along
 from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import across
@@ -101,6 +102,24 @@ def test_hinges_follow_the_line_by_their_slopes(bends):
                 moved.hinge(values | {name: values[name] + d}, s, way)[0] for d in (step, -step)
             )
             np.testing.assert_allclose((more - less) / (2 * step), slope, atol=1e-8)
+
+
+def test_hinges_are_made_anew_where_a_value_of_theirs_changes():
+    superset = Superset(load_arm("rv4frl"))
+    bends = YieldingLine(line=long_links(superset)[0], bends=True, word="w")
+    values = values_of(bends) | {"taper": 0.0, "middle": 0.0}
+    hinges = hinges_along(superset, bends, "taper", "middle")
+    first = hinges(values)
+    assert hinges(values | {"of another": 1.0}) is first
+    # They yield for the link's length about each of two directions across.
+    assert sum(h.part_m for h in first) == pytest.approx(2.0 * bends.line.length_m)
+    for name in values:
+        other, again = (hinges(values | {name: 0.1}) for _ in range(2))
+        assert other is again
+        motion = [np.abs(a.motion - b.motion).max() for a, b in zip(first, other, strict=True)]
+        parts = [abs(a.part_m - b.part_m) for a, b in zip(first, other, strict=True)]
+        assert max(motion) > 1e-4 or max(parts) > 1e-4
+    np.testing.assert_array_equal(hinges(values)[0].motion, first[0].motion)
 
 
 def test_a_line_turned_as_far_as_it_may_is_still_along_its_link():
