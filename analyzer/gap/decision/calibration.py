@@ -26,7 +26,7 @@ from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per
 from armodal.analyzer.gap.library import all_instances, names_of_laws
 from armodal.analyzer.gap.records import Calibrated
 from armodal.analyzer.gap.search.candidates import others_beside
-from armodal.analyzer.gap.search.levels import changes_with_level, gain_with
+from armodal.analyzer.gap.search.levels import changes_with_level, fit_with
 from armodal.analyzer.gap.search.replicas import replica_gains
 
 __all__ = ["FALSE_NAME", "Calibration", "Calibrations", "Tail", "calibrate", "is_told_by_level"]
@@ -185,17 +185,20 @@ class Calibrations:
 
 
 def is_told_by_level(stage: Stage, fit: Fit, calibration: Calibration) -> bool:
-    """Whether the hits' level tells what no effect of a model follows.
+    """Whether the hits' level tells what no effect of a model follows, and what matters.
 
-    By a look at each joint, and a fit of the best: a look may promise more than a fit keeps. Chance
-    must bring any of them as much more seldom than is accepted. What the level tells is in the
-    dispersion too: a larger limit, where more of it is not followed.
+    By a look at each joint, and a fit of what it promises: it may promise more than a fit keeps.
+    Chance must bring any of them as much more seldom than is accepted. What the level tells is in
+    the dispersion too: a larger limit, where more of it is not followed.
     """
     changes = changes_with_level(stage, fit)
     least = calibration.apart_from(len(changes) or 1)
-    if not changes or changes[0].gain <= least:
-        return False
-    return gain_with(stage, fit, changes[0].instance) > least
+    promising = (change.instance for change in changes if change.gain > least)
+    fitted = (fit_with(stage, fit, change) for change in promising)
+    return any(
+        fit.evidence - f.evidence > least and matters(stage, fit, f, f.last, calibration.inflation)
+        for f in fitted
+    )
 
 
 def calibrate(stage: Stage, present: Fit, best: Fit, false_name: float = FALSE_NAME) -> Calibration:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE
+from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST
 from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Play
@@ -15,7 +15,6 @@ from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "laws"]
 
-_LEAST = 0.02  # of the joint's spring
 _STD = 0.5  # likewise
 _LN_HALF, _LN_HALF_STD, _LN_HALF_LEAST, _LN_HALF_MOST = -1.0, 1.5, -5.0, 1.0  # of a middle swing
 
@@ -74,7 +73,7 @@ def laws(
                 ),
             ),
             element=element,
-            material=_LEAST,
+            material=LEAST,
             starting_points=[
                 {part: q, half: h}
                 for q, h in ((0.4, 0.2), (0.3, -0.7), (0.3, -2.0), (1.0, -2.0), (1.0, -3.5))

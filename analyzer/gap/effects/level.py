@@ -20,7 +20,7 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["COVERED", "COVERED_HERE", "any_change"]
+__all__ = ["COVERED", "COVERED_HERE", "LEAST", "any_change"]
 
 # A hit of one level moves the joint more in one posture than in another: what changes with its
 # motion changes with the posture, and effects that do so would be told of that.
@@ -28,6 +28,9 @@ COVERED = ("gravity_compensator", "load_damping", "nonproportional")
 # While a swing dies away the joint's stiffness changes, which looks like a drive's freedom there.
 COVERED_HERE = ("servo",)
 
+# Of a joint's spring and of its damping, between the softest and the hardest hits: what changes
+# less with the level is not worth a word.
+LEAST, _LEAST_C = 0.02, 0.1
 _STD_K, _STD_C = 0.3, 0.5  # a unit of ln level; a dry friction that is all of c has -1
 _MOST_K, _MOST_C = 1.0, 2.0
 
@@ -40,10 +43,11 @@ def any_change(ordinary: Ordinary) -> tuple[Instance, ...]:
     if not ordinary.level_span:
         return ()
     words = EffectWords(name="level", title="Depends on the level", changes="", signature="")
-    return tuple(_change(words, ordinary.arm.joints[i].name) for i in ordinary.elastic)
+    span = 2.0 * ordinary.level_span
+    return tuple(_change(words, ordinary.arm.joints[i].name, span) for i in ordinary.elastic)
 
 
-def _change(words: EffectWords, joint: str) -> Instance:
+def _change(words: EffectWords, joint: str, span: float) -> Instance:
     by_k, by_c = f"ln k by level {joint}", f"ln c by level {joint}"
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -61,5 +65,7 @@ def _change(words: EffectWords, joint: str) -> Instance:
         ),
         builder=build,
         size=by_k,
+        material=LEAST / span,
+        side_sizes=((by_c, _LEAST_C / span),),
         level_dependent=True,
     )

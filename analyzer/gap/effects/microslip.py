@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE
+from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST
 from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Sliders
@@ -15,7 +15,6 @@ from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "laws"]
 
-_LEAST = 0.02  # of the joint's spring
 _SLIDERS = 8  # a staircase of a law that is smooth
 # Of the exponent 1 / (1 + chi) by which limits rise, chi that of their density. Loss by a power of
 # the swing, 3 + chi, was measured between 2 and 3 (D. J. Segalman, J. Appl. Mech. 72 (2005) 752).
@@ -84,7 +83,7 @@ def laws(
             ),
         ),
         element=element,
-        material=_LEAST,
+        material=LEAST,
         starting_points=[
             {part: q, reach: u, spread: _SPREAD} for q in (0.1, 0.5) for u in (-2.0, -0.7, 0.7)
         ],

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE
+from armodal.analyzer.gap.effects.level import COVERED, COVERED_HERE, LEAST
 from armodal.analyzer.gap.effects.own_law import law_instance
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.joint_laws import Bent
@@ -15,7 +15,6 @@ from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "laws"]
 
-_LEAST = 0.02  # of the joint's stiffness, at such a swing
 _STD, _HARDEST, _SOFTEST = 0.5, -20.0, 0.95  # likewise; all of it but a twentieth is lost at most
 _LN_BEND_STD, _LN_BEND_LEAST, _LN_BEND_MOST = 1.0, -2.5, 2.0
 
@@ -64,7 +63,7 @@ def laws(
             ),
         ),
         element=element,
-        material=_LEAST,
+        material=LEAST,
         starting_points=[
             {part: q, bend: b}
             for q, b in (

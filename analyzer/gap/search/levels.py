@@ -26,7 +26,7 @@ __all__ = [
     "Apart",
     "any_level",
     "changes_with_level",
-    "gain_with",
+    "fit_with",
     "told_apart",
     "weighed_anew",
 ]
@@ -43,10 +43,10 @@ def changes_with_level(stage: Stage, fit: Fit) -> list[Candidate]:
     return scan_instances(stage, fit, changes)
 
 
-def gain_with(stage: Stage, fit: Fit, change: Instance) -> float:
-    """Nats of evidence that a look's change brings when it is fitted."""
+def fit_with(stage: Stage, fit: Fit, change: Instance) -> Fit:
+    """Fit a model with a look's change beside what it has."""
     wider = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, change))
-    return fit.evidence - fit_hypothesis(stage, wider, start=fit.values).evidence
+    return fit_hypothesis(stage, wider, start=fit.values)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

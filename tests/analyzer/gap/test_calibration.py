@@ -22,6 +22,8 @@ from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search.replicas import Gains
 
 KINDS = {"much": 40.0, "some": 12.0, "little": 8.0}  # nats, scale of what chance brings
+OF_100 = SimpleNamespace(weighings=[SimpleNamespace(n=100)])  # a stage, by its residuals
+NOTHING = made_fit(Hypothesis(ordinary=None), cost=100.0)
 
 
 def drawn(rng, n):
@@ -143,14 +145,28 @@ def test_the_level_tells_where_a_joint_promises_more_than_chance_brings_any(n, m
     least = 20.0 * (1.0 + np.log(n) / np.log(100.0))
     less, more = 0.99 * least, 1.01 * least
     for most, kept, is_told in ((less, more, False), (more, less, False), (more, more, True)):
-        gains = (most, *[0.0] * (n - 1))
-        promised = [SimpleNamespace(gain=gain, instance=None) for gain in gains]
-        monkeypatch.setattr(calibration, "changes_with_level", lambda *_, p=promised: p)
-        monkeypatch.setattr(calibration, "gain_with", lambda *_, k=kept: k)
-        assert is_told_by_level(None, None, limits) == is_told
+        promise(monkeypatch, [most, *[0.0] * (n - 1)], [with_effect(100.0 - kept)])
+        assert is_told_by_level(OF_100, NOTHING, limits) == is_told
     # Hits together, or an effect that follows the level: there is nothing to look at.
-    monkeypatch.setattr(calibration, "changes_with_level", lambda *_: [])
-    assert not is_told_by_level(None, None, limits)
+    promise(monkeypatch, [], [])
+    assert not is_told_by_level(OF_100, NOTHING, limits)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "is_told"),
+    [((1.0,), True), ((0.01,), False), ((0.01, 1.0), True), ((0.01, 0.01), False)],
+)
+def test_what_changes_too_little_with_the_level_is_not_told_by_it(sizes, is_told, monkeypatch):
+    promise(monkeypatch, [50.0] * len(sizes), [with_effect(60.0, size=s) for s in sizes])
+    assert is_told_by_level(OF_100, NOTHING, made_calibration(apart=20.0)) == is_told
+
+
+def promise(monkeypatch, gains, fitted):
+    """What joints' changes with the level promise in nats, and the fits they come to in turn."""
+    promised = [SimpleNamespace(gain=gain, instance=None) for gain in gains]
+    fits = iter(fitted)
+    monkeypatch.setattr(calibration, "changes_with_level", lambda *_: promised)
+    monkeypatch.setattr(calibration, "fit_with", lambda *_: next(fits))
 
 
 def test_a_tail_goes_on_as_an_exponential():
@@ -199,16 +215,12 @@ def test_a_search_goes_on_for_what_matters_and_has_its_limit_in_reach(
     gain, size, leaves, by_level, wanted, monkeypatch
 ):
     limits = made_calibration(apart=20.0, limits={"much": 40.0})
-    promised = [SimpleNamespace(gain=by_level, instance=None)]
-    monkeypatch.setattr(calibration, "changes_with_level", lambda *_: promised)
-    monkeypatch.setattr(calibration, "gain_with", lambda *_: by_level)
+    promise(monkeypatch, [by_level], [with_effect(100.0 - by_level)])
     monkeypatch.setattr(calibration, "calibrate", lambda *_: limits)
     monkeypatch.setattr(calibration, "misfit_per_line", lambda *_: 2.0)
     monkeypatch.setattr(calibration, "misfit_of_replicas", lambda *_: leaves)
-    present = made_fit(Hypothesis(ordinary=None), cost=100.0)
     begun = [with_effect(100.0 - gain, size=size)]
-    stage = SimpleNamespace(weighings=[SimpleNamespace(n=100)])
-    assert Calibrations(0.01).needs_more(stage, present, begun) == wanted
+    assert Calibrations(0.01).needs_more(OF_100, NOTHING, begun) == wanted
 
 
 @pytest.mark.parametrize(("deviations", "wanted"), [(4.9, False), (FARTHEST, True)])

@@ -36,7 +36,12 @@ def by_level(monkeypatch):
         "changes_with_level",
         lambda *_: [SimpleNamespace(gain=gain, instance=None) for gain in gains],
     )
-    monkeypatch.setattr(calibration, "gain_with", lambda *_: gains[0])
+    monkeypatch.setattr(
+        calibration,
+        "fit_with",
+        lambda _stage, fit, _change: SimpleNamespace(evidence=fit.evidence - gains[0], last=None),
+    )
+    monkeypatch.setattr(calibration, "matters", lambda *_: True)
     return gains
 
 
