@@ -40,8 +40,6 @@ _PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starting points
 _LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
 
 Progress = Callable[[str], None]
-
-
 NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
 Limit = Callable[[Fit, str], float]
 IsWanted = Callable[[Instance, float], bool]
@@ -94,7 +92,7 @@ def find_rivals(
         fit and the first steps of what promises most beside it.
     limit
         Nats that an effect needs beside a fit, by its name: where nothing else tells that more is
-        needed, what promises far less is not begun.
+        needed, what promises most is begun, and of others none that promises far less.
     start
         Where its effects begin.
     fitted
@@ -130,13 +128,15 @@ def find_rivals(
         ]
         return [*begun, *_from_beginnings(races, stages[-2:], base[-2], without, is_begun)]
 
-    def reaches_its_limit(instance: Instance, gain: float) -> bool:
+    def reaches_limit(instance: Instance, gain: float) -> bool:
         return PATIENCE * gain > limit(base[-1], instance.effect.name)
 
+    first = looked[0].instance if looked else None
     finals: list[Fit] = []
     is_more = needs_more(base[-1], ())
     if not is_more:
-        finals = _hopeful(near(reaches_its_limit, reaches_its_limit))
+        # Limits are read from the residual, and what is missing is in that: it may hide itself.
+        finals = _hopeful(near(lambda i, g: i is first or reaches_limit(i, g), reaches_limit))
         is_more = needs_more(base[-1], finals)
     if is_more:
         if fitted is not None and afresh:
@@ -160,11 +160,11 @@ def find_rivals(
         explained = bool(laws) and not needs_more(min(laws, key=lambda f: f.evidence), ())
         far = [] if explained else _far(races, base, present, start, without, tell)
         # Where much is left they come after: most are hopeless beside what the wide lines led to.
-        # A look about nothing may say far too little: what it puts first is begun anyway.
-        # What broad lines promise is set beside what others reached there.
+        # A look about nothing may say far too little: what leads is begun anyway. What broad lines
+        # promise is set beside what others reached there.
         finals = finals or near(
-            lambda i, gain: i is looked[0].instance or race.is_in_reach(base[-1], gain),
-            lambda _, gain: races[stages[-2]].is_in_reach(base[-2], gain),
+            lambda i, g: i is first or race.is_in_reach(base[-1], g),
+            lambda _, g: races[stages[-2]].is_in_reach(base[-2], g),
         )
         finals = _each_minimum([*finals, *far])
         finals = [*finals, *_alternatives(race, finals[:LEADING])]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
 
-from armodal.analyzer.gap.effects import hit_direction
+from armodal.analyzer.gap.effects import bearing, hit_direction
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.space import Parameter, Space
@@ -180,3 +180,29 @@ def test_what_cannot_come_beside_the_best_is_left_where_it_stands(monkeypatch):
     assert first(on_the_way(NAMED, 0.0, 46.0, 0.0))
     assert not first(on_the_way(NAMED, 0.0, 98.0, 6.0))
     assert first(on_the_way(NAMED, 0.0, 100.0, 6.0))
+
+
+def test_what_promises_most_is_begun_though_it_may_hide_in_what_its_limit_is_read_from(monkeypatch):
+    """Three times its promise of 80 nats is below its limit, likewise that of the next."""
+    leads, next_one = (Instance(effect=hit_direction.WORDS, place=place) for place in "ab")
+    reaching = Instance(effect=bearing.WORDS, place="c")
+    gains = ((leads, 80.0), (next_one, 79.0), (reaching, 78.0))
+    looked = [Candidate(instance=i, gain=gain) for i, gain in gains]
+    begun = []
+
+    def fitted(_stage, hypothesis, *, resumed=None, **_):
+        if resumed is None and hypothesis is not NAMED:
+            begun.append(hypothesis.instances[-1])
+        return fit(100.0) if hypothesis is NAMED else made_fit(hypothesis, cost=50.0)
+
+    for module in (rivals, race):
+        monkeypatch.setattr(module, "fit_hypothesis", fitted)
+    monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+    limits = {hit_direction.WORDS.name: 300.0, bearing.WORDS.name: 200.0}
+    find_rivals(
+        STAGES, NAMED, lambda *_: False, limit=lambda _, name: limits[name], start={}, fitted=STUCK
+    )
+    assert begun == [leads, reaching]
