@@ -148,6 +148,20 @@ def test_the_joint_that_changes_with_the_level_promises_most(apart, changing):
     assert plain[0].gain < 0.1 * gains[0]
 
 
+@pytest.mark.parametrize(("by_k", "by_c"), [(0.02, 0.0), (0.0, 0.1)])
+def test_a_change_with_the_level_is_worth_a_word_by_what_it_is_from_soft_hits_to_hard(
+    apart, by_k, by_c
+):
+    """By k or by c: a hundredth more of it is, a hundredth less not, whatever levels were hit."""
+    ordinary = of_session(apart).ordinary
+    for span in (ordinary.level_span, 3.0 * ordinary.level_span):
+        change = any_change(replace(ordinary, level_span=span))[0]
+        names = [p.name for p in change.parameters]
+        for part, matters in ((1.01, True), (0.99, False)):
+            slopes = (part * by_k / (2.0 * span), part * by_c / (2.0 * span))
+            assert change.is_material(dict(zip(names, slopes, strict=True))) is matters
+
+
 def test_beside_an_effect_of_the_level_no_change_with_it_is_left_to_be_told(apart, changing):
     follows = of_session(apart, lambda o: any_change(o)[0])
     assert changes_with_level(changing, fit_hypothesis(changing, follows, max_iterations=0)) == []
