@@ -79,7 +79,6 @@ class Gear:
     lag_s: float = 0.0
     added_kg: float = 0.0
     exchanged: dict[str, str] = field(default_factory=dict)  # where a point's sensor truly is
-    at_point: dict[str, Array] = field(default_factory=dict)  # (3, 3) on top
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -78,7 +78,8 @@ def made(table: ArmTable, spec: CaseSpec) -> Made:
         hiding = _Hiding(drawn, spec, kind, spec.kinds[:i].count(kind))
         seen = partial(_seen, witness, hiding)
         size = _sized(seen, EFFECTS[kind].RANGE, VISIBLE[spec.size_class])
-        visible = witness.left_by_drives(*hiding.put(drawn.parts, drawn.gear, size)[:2])
+        alone = hiding.put(drawn.parts, drawn.gear, size)[:2]
+        visible = witness.looking_at(alone[1].exchanged).left_by_drives(*alone)
         parts, gear, told = hiding.put(parts, gear, size)
         where = hiding.place.split("|")
         place = where if len(where) > 1 else where[0]
@@ -112,7 +113,7 @@ class _Hiding:
         kit = Kit(
             drawn=self.drawn,
             parts=parts.copy(),
-            gear=replace(gear, exchanged=dict(gear.exchanged), at_point=dict(gear.at_point)),
+            gear=replace(gear, exchanged=dict(gear.exchanged)),
             rng=stream(self.spec.seed, "frame", "effect", self.kind, self.copy, self.place),
         )
         told = EFFECTS[self.kind].hide(kit, self.place, size)

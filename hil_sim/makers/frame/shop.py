@@ -112,7 +112,7 @@ class Shop:
                 start = (plan.sampling.pretrigger - of_hit("start").uniform(0.0, 1.0)) / rate
                 force = _pulse(gear, self.drawn.table.peaks_n[1], level, of_hit, s, start)
                 response = (felt[sensor][:, :, hit, :] @ load) @ mounted * force[:, None]
-                response = response @ gear.response.T @ gear.at_point.get(name, np.eye(3)).T
+                response = response @ gear.response.T
                 response *= np.exp(-s * gear.lag_s)[:, None]
                 spectra = np.column_stack([force * gear.force_gain, response])
                 recorded.append(

@@ -8,6 +8,7 @@ Sizes are drawn by what drives explain to first order; told is what they leave w
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -37,7 +38,7 @@ __all__ = ["VISIBLE", "Witness"]
 VISIBLE = {"faint": 0.8, "medium": 1.8, "clear": 4.0}
 
 SEEN = (0, 2)  # postures
-EVERY = 2  # every other point is looked at
+EVERY = 2  # every other point is looked at, and those that are exchanged
 LINES = np.geomspace(5.0, 140.0, 48)
 WIDTH = 0.05  # of a line, of its frequency
 DRAWS = 10
@@ -58,6 +59,11 @@ class Witness:
     drawn: Everyday
     plan: Plan
     seed: int
+    also: frozenset[str] = frozenset()  # points that are looked at besides every other
+
+    def looking_at(self, points: Collection[str]) -> Witness:
+        """Itself, or somebody who looks at some points too."""
+        return replace(self, also=frozenset(points)) if points else self
 
     def sees(self, parts: Parts, gear: Gear) -> float:
         """Visibility of what differs from the everyday arm."""
@@ -90,7 +96,7 @@ class Witness:
 
         ways = STEP * np.eye(len(drives))
         here = left(drives)
-        for _ in range(STEPS):
+        for _ in range(STEPS if here.any() else 0):
             slopes = np.column_stack([(here - left(drives + way)) / STEP for way in ways])
             step, *_ = np.linalg.lstsq(slopes, here, rcond=None)
             step *= min(1.0, FARTHEST / float(np.abs(step).max()))
@@ -197,7 +203,8 @@ class Witness:
         seen = []
         for i, (standing, modes) in zip(SEEN, both, strict=True):
             posture = self.plan.postures[i]
-            names = posture.points[::EVERY]
+            points = enumerate(posture.points)
+            names = [name for k, name in points if k % EVERY == 0 or name in self.also]
             at = [standing.point(gear.exchanged.get(name, name)) for name in names]
             fixed = standing.point(gear.exchanged.get(self.plan.fixed_point, self.plan.fixed_point))
             felt = felt_per_wrench(standing, modes, s, [spot for spot, _ in at], [fixed[0]], kg)

@@ -7,9 +7,10 @@ import pytest
 
 from armodal.hil_sim.makers.arms import arm_table
 from armodal.hil_sim.makers.case import CaseSpec
+from armodal.hil_sim.makers.frame.effects import wrong_point
 from armodal.hil_sim.makers.frame.everyday import everyday, power_law
 from armodal.hil_sim.makers.frame.maker import made
-from armodal.hil_sim.makers.frame.visibility import Witness
+from armodal.hil_sim.makers.frame.visibility import EVERY, SEEN, Witness
 
 SEED, ARM = 5, "ur10e"
 
@@ -45,3 +46,21 @@ def test_what_no_drive_imitates_is_left(witness):
     left = witness.left_by_drives(witness.drawn.parts, off)
     assert by_slopes > 1.0
     assert left == pytest.approx(by_slopes, rel=0.1)  # drives move by little, so slopes tell most
+
+
+def test_exchanged_points_are_looked_at(witness):
+    """Two of one link that are not among every other: nobody else would see anything."""
+    drawn = witness.drawn
+    one, other = next(
+        place.split("|")
+        for place in wrong_point.where(drawn)
+        if not set(place.split("|")) & seen_at_all(witness)
+    )
+    gear = replace(drawn.gear, exchanged={one: other, other: one})
+    assert witness.left_by_drives(drawn.parts, gear) == 0.0
+    assert witness.looking_at(gear.exchanged).left_by_drives(drawn.parts, gear) > 1.0
+
+
+def seen_at_all(witness):
+    """Points that are looked at in some posture."""
+    return {name for i in SEEN for name in witness.plan.postures[i].points[::EVERY]}
