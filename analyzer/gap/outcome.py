@@ -82,13 +82,14 @@ def conclude(
     gates: tuple[Gate, ...],
     notes: list[str],
     limits: Thresholds,
+    assumed: str,
     plan: Plan | None,
     tell: Callable[[str], None],
 ) -> GapOutcome:
     """Verdict, effects, rivals, ranges and gaps of the models a search ended with.
 
     With a plan the next test is proposed as one; `modes_of` are FRFs whose modes are paired with
-    the models'.
+    the models'. The summary ends with what was `assumed`.
     """
     sharp = stages[-1]
     misfit = misfit_per_line(sharp, final)
@@ -143,7 +144,7 @@ def conclude(
     ranges = stiffness_ranges(alive, sizes, spread, settled=is_settled)
     result = GapResult(
         verdict=verdict,
-        summary=summary_words(verdict, effects, standing, misfit, left),
+        summary=summary_words(verdict, effects, standing, misfit, left) + assumed,
         effects=effects if verdict is Verdict.NAMED else (),
         rivals=_rivals(sharp, found, judged, shared),
         hidden=_hidden(hiding, sizes, spread),
@@ -196,6 +197,7 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         remedy=words.remedy,
         false_name_probability=chance,
         moves=instance.begins_at,
+        details=instance.details,
     )
 
 
@@ -230,6 +232,7 @@ def _rival(stage: Stage, fit: Fit, present: Fit, best: Fit, judged: Judged, phi:
         false_name_probability=calibration.p_value(instance.effect.name, gain),
         odds=calibration.odds(behind),
         moves=instance.begins_at,
+        details=instance.details,
     )
 
 
@@ -316,8 +319,8 @@ def notes_on_its_end(final: Fit) -> list[str]:
         )
     if final.promised >= _UNFINISHED:
         notes.append(
-            f"the last fit did not converge: {final.promised:.1f} nats more were promised where "
-            "its steps brought next to nothing; sizes and stiffnesses may be off by more than is "
-            "stated"
+            "the last fit did not converge: its steps brought next to nothing where "
+            f"{100.0 * final.promised / final.cost:.2g} % of its misfit was promised; sizes and "
+            "stiffnesses may be off by more than is stated"
         )
     return notes

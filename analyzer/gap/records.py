@@ -64,6 +64,7 @@ class EffectFound:
     # Of any effect of the library looking as clear on a session without one; None: not known.
     false_name_probability: float | None = None
     moves: tuple[str, ...] = ()  # parameters that the description tells as direction and place
+    details: tuple[str, ...] = ()  # parameters of its form, which people are not told
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +83,7 @@ class RivalRow:
     false_name_probability: float | None = None  # as of a named effect
     odds: float | None = None  # over the best, by evidence and what errors are worth
     moves: tuple[str, ...] = ()
+    details: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

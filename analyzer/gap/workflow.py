@@ -17,6 +17,7 @@ from armodal.analyzer.gap.decision.calibration import (
     is_told_by_level,
 )
 from armodal.analyzer.gap.decision.data_requirements import (
+    assumed_in,
     check_data_requirements,
     check_tests,
     notes_on,
@@ -135,6 +136,7 @@ def find_gap(
         gates=gate_rows,
         notes=notes,
         limits=limits,
+        assumed=assumed_in(session, more),
         plan=_plan_to_go_on(session, notes) if advice and single_hits else None,
         tell=tell,
     )

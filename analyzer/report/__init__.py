@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from armodal.analyzer.report.gap_file import gap_path, gap_to_json, read_gap
     from armodal.analyzer.report.gap_section import gap_page
+    from armodal.analyzer.report.marked_effects import drawn_effects
     from armodal.analyzer.report.open_figures import PlotlyHome
     from armodal.analyzer.report.page import ReportSection, write_report
     from armodal.analyzer.report.plain_page import write_plain_report
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = [
     "PlotlyHome",
     "ReportSection",
+    "drawn_effects",
     "gap_page",
     "gap_path",
     "gap_to_json",
@@ -27,6 +29,7 @@ __all__ = [
 _HOME = {
     "PlotlyHome": "open_figures",
     "ReportSection": "page",
+    "drawn_effects": "marked_effects",
     "gap_page": "gap_section",
     "gap_path": "gap_file",
     "gap_to_json": "gap_file",

@@ -16,6 +16,7 @@ __all__ = [
     "chance",
     "effect_sentence",
     "interval_in_words",
+    "largest_in_words",
     "mechanics",
     "mechanics_of",
     "size_in_words",
@@ -50,7 +51,12 @@ def size_in_words(effect: EffectFound) -> str:
 
 
 def interval_in_words(found: Interval) -> str:
-    """Value ± standard deviation and 95 % interval; a compliance as the stiffness it is."""
+    """Value ± standard deviation and 95 % interval; a compliance as the stiffness it is.
+
+    Of a compliance that may be none only the least stiffness is known.
+    """
+    if found.unit in _INVERSE and found.low <= 0.0 < found.high:
+        return f"{_K}at least {rounded(1.0 / found.high)} {_INVERSE[found.unit]} (95 %)"
     found, inverted = _as_stiffness(found)
     value, std = plus_minus(found.value, found.std)
     what = _K if inverted else ""
@@ -60,6 +66,21 @@ def interval_in_words(found: Interval) -> str:
     )
 
 
+def largest_in_words(largest: float, unit: str) -> str:
+    """Return how large something could be and still hide; a compliance as the stiffness left.
+
+    Examples
+    --------
+    >>> largest_in_words(0.004, "rad/(N m)")
+    'no softer than 250 N m/rad'
+    >>> largest_in_words(0.2, "kg")
+    'no more than 0.200 kg'
+    """
+    if unit in _INVERSE and largest > 0.0:
+        return f"no softer than {rounded(1.0 / largest)} {_INVERSE[unit]}"
+    return f"no more than {rounded(largest)} {unit}".rstrip()
+
+
 def mechanics_of(effect: EffectFound) -> tuple[tuple[str, str], ...]:
     """Return an effect in the words of mechanics: what, and its words."""
     return mechanics(
@@ -67,6 +88,7 @@ def mechanics_of(effect: EffectFound) -> tuple[tuple[str, str], ...]:
         parameters=effect.parameters,
         description=effect.description,
         moves=effect.moves,
+        details=effect.details,
         place=effect.place,
         confused_with=effect.confused_with,
         told_by=effect.told_by,
@@ -79,6 +101,7 @@ def mechanics(
     parameters: Mapping[str, Interval],
     description: Mapping[str, object],
     moves: Sequence[str] = (),
+    details: Sequence[str] = (),
     place: str,
     confused_with: Sequence[str],
     told_by: str,
@@ -86,21 +109,24 @@ def mechanics(
     """Return stiffness and damping, axis, place and rivals of an effect, each named.
 
     `moves` name parameters that only say how far an axis moved from where its fit began: they are
-    the deviations of its direction and its place.
+    the deviations of its direction and its place. `details` name those that people are not told.
     """
     rows: list[tuple[str, str]] = []
     axis = _axis_in_words(description)
     if axis is not None:
         axis += _deviations([parameters[name] for name in moves if name in parameters])
-    stiff = [n for n, found in parameters.items() if found.unit in _INVERSE and found.low > 0.0]
+    stiff = [name for name, found in parameters.items() if found.unit in _INVERSE]
     # Of what gives way about an axis, stiffness and damping say all; what swings has more to tell.
     swings = size in parameters and parameters[size].unit not in _INVERSE
-    hidden = set(moves) if swings else {*parameters} - {size}
+    hidden = set(details)
+    if axis is not None:
+        hidden |= set(moves) if swings else {*parameters} - {size}
     for name, found in parameters.items():
-        if axis is None or name not in hidden:
+        if name not in hidden:
             told = name
             if name in stiff:
-                told = "k" if len(stiff) == 1 or axis else name.replace("compliance ", "k ")
+                one = len(stiff) == 1 or axis
+                told = "k" if one else f"k {name.replace('compliance ', '')}"
             told, own = _as_factor(told, found)
             rows.append((told, interval_in_words(own).removeprefix(_K)))
     damping = _damping(parameters.get(size), parameters) if axis is not None else ""

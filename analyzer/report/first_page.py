@@ -11,8 +11,8 @@ from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.report.answer import Finding, findings
 from armodal.analyzer.report.arm_svg import MarkedAxis, found_svg
 from armodal.analyzer.report.check_rows import CheckRow, check_rows
-from armodal.analyzer.report.effect_words import axis_of_effect
 from armodal.analyzer.report.facts import Facts, facts, loss_warnings
+from armodal.analyzer.report.marked_effects import marked_effects
 from armodal.analyzer.report.next_steps import next_steps
 from armodal.analyzer.report.stiffness_rows import Stiffness, stiffness_rows
 from armodal.analyzer.report.words import plus_minus
@@ -90,7 +90,6 @@ def _marked(
     superset: Superset, result: Identification, gap: GapResult | None
 ) -> tuple[tuple[MarkedAxis, ...], tuple[str, ...]]:
     """Axes to draw, and names of joints and links to mark."""
-    links = {joint.link.name for joint in superset.arm.joints}
     if gap is None:
         return tuple(
             MarkedAxis(
@@ -102,14 +101,7 @@ def _marked(
             )
             for axis in result.axes
         ), ()
-    axes, places = [], []
-    for effect in gap.effects:
-        axis = axis_of_effect(effect)
-        if axis is not None and axis.link in links:
-            axes.append(axis)
-        else:
-            places += effect.place.split()  # "joint_1 and joint_2"
-    return tuple(axes), tuple(places)
+    return marked_effects(superset, gap.effects)
 
 
 def _foretold(result: Identification, gap: GapResult | None) -> tuple[PredictedMode, ...]:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from armodal.analyzer.gap.records import GapResult, Verdict
-from armodal.analyzer.report.effect_words import certainty, chance, mechanics_of
+from armodal.analyzer.report.effect_words import (
+    certainty,
+    chance,
+    largest_in_words,
+    mechanics_of,
+)
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
 from armodal.analyzer.report.page_text import shown, templates
 from armodal.analyzer.report.policy import under_policy
-from armodal.analyzer.report.words import rounded
 
 __all__ = ["gap_page", "gap_section"]
 
@@ -26,8 +30,11 @@ _ADVICE = {
 }
 
 
-def gap_section(result: GapResult, *, checks: bool) -> str:
-    """Return the section as HTML; `checks` lists those of the measurement in it."""
+def gap_section(result: GapResult, *, checks: bool, arm: str = "") -> str:
+    """Return the section as HTML; `checks` lists those of the measurement in it.
+
+    `arm` is a drawing with what was found marked, where it stands on no page before.
+    """
     after = {gap.posture: gap for gap in result.gap_after}
     return (
         templates()
@@ -39,7 +46,8 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
             mechanics=mechanics_of,
             certainty=certainty,
             chance=chance,
-            rounded=rounded,
+            largest=largest_in_words,
+            arm=arm,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),
             maps=disagreement_svgs(result),
@@ -48,11 +56,20 @@ def gap_section(result: GapResult, *, checks: bool) -> str:
     )
 
 
-def gap_page(result: GapResult, summary: str) -> str:
-    """Return one self-contained HTML page; `summary` says in plain text which session it is of."""
+def gap_page(result: GapResult, summary: str, arm: str = "") -> str:
+    """Return one self-contained HTML page.
+
+    Parameters
+    ----------
+    summary
+        Says in plain text which session it is of.
+    arm
+        A drawing with what was found (`drawn_effects`); none where it is empty.
+    """
     return under_policy(
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>armodal: gap</title><style>{style()}</style></head><body>"
-        f'<p class="quiet">{shown(summary)}</p>{gap_section(result, checks=True)}</body></html>'
+        f'<p class="quiet">{shown(summary)}</p>'
+        f"{gap_section(result, checks=True, arm=arm)}</body></html>"
     )

@@ -13,7 +13,7 @@ import typer
 from armodal.analyzer.gap.add import is_of_one_posture
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
-from armodal.analyzer.report import gap_page
+from armodal.analyzer.report import drawn_effects, gap_page
 from armodal.hil_sim.study import (
     MAGNITUDES,
     STUDY_ARMS,
@@ -163,7 +163,7 @@ def gap_command(
         if "arm_file" in written and is_of_one_posture(effect):
             say(f"{effect.title} ({effect.place}) is not in the arm file: no other session has it")
     if html is not None:
-        replace_text(html, gap_page(outcome.result, session.name))
+        replace_text(html, gap_page(outcome.result, session.name, _drawn(outcome)))
     if as_json:
         print_json(gap_json(outcome.result, written) | beside)
         return
@@ -171,6 +171,15 @@ def gap_command(
     for key, path in written.items():
         out.print(f"{key} {path}")
     say_next(f"report {session}")
+
+
+def _drawn(outcome: GapOutcome) -> str:
+    """The arm with what was named, in the first posture."""
+    effects = outcome.result.effects
+    if not effects:
+        return ""
+    superset = outcome.final.hypothesis.ordinary.superset
+    return drawn_effects(superset, outcome.stages[-1].lines[0].joints_rad, effects)
 
 
 def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:

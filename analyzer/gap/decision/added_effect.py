@@ -72,8 +72,7 @@ def _begun_again(stages: Sequence[Stage], fit: Fit, begin: Mapping[str, float]) 
     """The fit from nothing, if it is better than one that ended at a limit of ordinary errors.
 
     With an effect missing, ordinary errors and the effects that are there take on what it explains;
-    from their limits no step leads back: a body of 15 kg stayed one of 1.2 kg once the rotor beside
-    it was found.
+    from their limits no step leads back.
     """
     if len(fit.hypothesis.instances) == 1 or not fit.ordinary_at_limit:
         return fit

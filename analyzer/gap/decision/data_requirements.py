@@ -6,12 +6,13 @@ from collections.abc import Sequence
 
 from armodal.analyzer.gap.inference.annealing import FEWEST_POSTURES
 from armodal.analyzer.gap.model.hit_levels import has_levels, postures_hit_once
+from armodal.analyzer.modal.record_notes import record_notes
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan_records import Mode
 from armodal.protocols.session.operator_angles import angles_by_hand
 from armodal.protocols.session.records import Session
 
-__all__ = ["check_data_requirements", "check_tests", "notes_on"]
+__all__ = ["assumed_in", "check_data_requirements", "check_tests", "notes_on"]
 
 _FEWEST_POINTS = 4
 
@@ -82,9 +83,10 @@ def check_tests(session: Session, more: Sequence[Session]) -> None:
 def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
     """What a reader must know of a session that was judged, and of its further tests."""
     notes = [*angles_by_hand(session.header), *session.header.arm.tolerances.remarks]
-    notes += _hit_once(session, "")
+    notes += [*_of_its_records(session), *_hit_once(session, "")]
     for number, other in enumerate(more, start=2):
-        notes += [f"test {number}: {said}" for said in angles_by_hand(other.header)]
+        said = (*angles_by_hand(other.header), *_of_its_records(other))
+        notes += [f"test {number}: {words}" for words in said]
         notes += _hit_once(other, f" of test {number}")
     of_hits = {hit.posture for hit in session.hits}
     averaged = sorted({frf.posture for frf in session.frfs} - of_hits)
@@ -114,8 +116,28 @@ def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
     return notes
 
 
+def assumed_in(session: Session, more: Sequence[Session]) -> str:
+    """What the verdict itself says was assumed, in a sentence; empty where nothing was."""
+    usual = session.header.arm.tolerances.usual
+    assumed = [f"tolerances of {', '.join(usual)} (usual ones)"] if usual else []
+    if any(_postures_hit_once(one) for one in (session, *more)):
+        assumed.append("how far hits at a point scatter (the tolerance of their aim)")
+    return f" Assumed, and not told by the test: {' and '.join(assumed)}." if assumed else ""
+
+
+def _postures_hit_once(session: Session) -> tuple[str, ...]:
+    return postures_hit_once([hit for hit in session.hits if hit.verdict.accepted])
+
+
+def _of_its_records(session: Session) -> list[str]:
+    """What an import or the test said of its records, and where records of a posture were cut."""
+    postures = dict.fromkeys(hit.posture for hit in session.hits)
+    cut = [note for name in postures for note in record_notes(session, name, ends_earlier=True)]
+    return [*session.warnings, *cut]
+
+
 def _hit_once(session: Session, of_what: str) -> list[str]:
-    once = postures_hit_once([hit for hit in session.hits if hit.verdict.accepted])
+    once = _postures_hit_once(session)
     if not once:
         return []
     words = (

@@ -2,8 +2,7 @@
 
 A hit of one level moves a joint more in one posture than in another, so a joint that softens, slips
 or sticks changes with the posture: without other levels that is a gravity compensator or a damper
-between links. Of 48 sealed cases with such a joint, hit at one level, eight were named so. Only
-other levels tell (`docs/decisions/0019-names-that-need-levels.md`).
+between links. Only other levels tell (`docs/decisions/0019-names-that-need-levels.md`).
 """
 
 from __future__ import annotations

@@ -109,6 +109,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             relaxes=relaxes | {turn: BASE_TURN, factor: loss_factor_parameter(factor)},
             builder=build,
             describe=describe,
+            details=(radius, *aside),
             size=names[3],
             sizes=tuple(names[3:6]),
             side_sizes=tuple(

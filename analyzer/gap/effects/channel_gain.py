@@ -24,7 +24,7 @@ WORDS = EffectWords(
     remedy="check the channel's sensitivity in the set-up and on the certificate",
 )
 _MATERIAL = 0.05
-# A sensor some millimetres off, or tilted, at one point looks like 6 % there (seed 26, twice).
+# A sensor some millimetres off, or tilted, at one point looks like 6 % there.
 _MATERIAL_AT_POINT = 0.08
 _WIDE = 0.4
 

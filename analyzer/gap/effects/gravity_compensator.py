@@ -156,5 +156,6 @@ def _beside(ordinary: Ordinary, i: int) -> Instance:
         builder=build,
         size=stiff,
         shapes=tuple(shapes),
+        details=(aside, stretch, growth),
         material=_MATERIAL,
     )

@@ -144,6 +144,7 @@ def given_way(
         initial_values=starting_points,
         size=gamma,
         shapes=shapes,
+        details=shapes,
         pieces=f"hinges {line.name}",
         material=material * ordinary.scale(line.link) / line.length_m,
     )

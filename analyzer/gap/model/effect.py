@@ -113,6 +113,7 @@ class Instance:
     is_also: IsAlso | None = None
     at_its_ends: tuple[tuple[str, str], ...] = ()  # keys of instances that patch it there
     begins_at: tuple[str, ...] = ()  # parameters that count from where a description puts it
+    details: tuple[str, ...] = ()  # parameters of its form: in files, but not told to people
     size: str = ""  # the parameter that says how large
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.small_case import FourPostures, SmallestCase, small_case
 
-from armodal.analyzer.gap.decision.data_requirements import notes_on
+from armodal.analyzer.gap.decision.data_requirements import assumed_in, notes_on
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.workflow import find_gap
@@ -78,6 +78,7 @@ def test_nothing_is_found_where_nothing_is_hidden():
     session = small_case(4, "rv4frl", of=SmallestCase).session()
     result = find_gap(session, gates=False, modes=False, advice=False).result
     assert result.verdict is Verdict.NOTHING_DETECTABLE
+    assert "Assumed" not in result.summary
     assert not result.effects
     assert all(row.low < row.k_n_m_per_rad < row.high for row in result.joint_stiffness_ranges)
 
@@ -107,6 +108,7 @@ def test_points_hit_once_have_a_scatter_that_is_assumed_and_said():
     result = find_gap(hit_once(case.session()), gates=False, modes=False, advice=False).result
     (said,) = [note for note in result.notes if "hit once" in note]
     assert "of the aim its tolerance is taken" in said
+    assert result.summary.endswith("how far hits at a point scatter (the tolerance of their aim).")
     assert mark(json.loads(case.open_truth()), result).outcome == "right"
     null = hit_once(small_case(4, "rv4frl", of=SmallestCase).session())
     result = find_gap(null, gates=False, modes=False, advice=False).result
@@ -134,17 +136,34 @@ def test_what_was_hit_once_is_said_of_a_further_test_too(plain):
 
 def test_what_was_not_judged_and_what_closed_the_levels_is_said(plain):
     averaged = SimpleNamespace(posture="averaged")
-    mixed = SimpleNamespace(hits=plain.hits, frfs=(averaged,), complete=True, header=plain.header)
+    mixed = replace(plain, frfs=(averaged,))
     assert any("were not judged: averaged" in note for note in notes_on(mixed, ()))
     assert not any("no tolerance of" in note for note in notes_on(mixed, ()))
     arm = plain.header.arm
-    mixed.header = replace(
-        plain.header, arm=replace(arm, tolerances=replace(arm.tolerances, usual=("mass",)))
-    )
+    usual = replace(arm, tolerances=replace(arm.tolerances, usual=("mass",)))
+    mixed = replace(mixed, header=replace(plain.header, arm=usual))
+    assert "told by the test: tolerances of mass (usual ones)." in assumed_in(mixed, ())
     assert any("no tolerance of mass" in note for note in notes_on(mixed, ()))
     levels = small_case(4, "rv4frl", ladder=True).session()
     assert not any("softly and hard" in note for note in notes_on(levels, [levels]))
     assert any("test 3 was not hit softly" in note for note in notes_on(levels, [levels, plain]))
+
+
+def test_what_records_lack_is_said(plain):
+    """Of hits that an import aligned, and of a posture whose records are not all as long."""
+    first = plain.hits[0]
+    short = (replace(first, counts=first.counts[:-7]), *plain.hits[1:])
+    cut = replace(plain, hits=short, warnings=("channel 2 was read twice",))
+    full = len(first.counts) - (first.trigger_sample - first.first_sample)
+    for said in (
+        notes_on(cut, ()),
+        [note.removeprefix("test 2: ") for note in notes_on(plain, [cut])],
+    ):
+        assert "channel 2 was read twice" in said
+        (trimmed,) = [note for note in said if "samples from the trigger on" in note]
+        assert trimmed.startswith(f"posture '{first.posture}': records hold {full - 7} to ")
+        assert trimmed.endswith(f"the first {full - 7} are used")
+    assert not any("samples from the trigger on" in note for note in notes_on(plain, ()))
 
 
 def test_where_every_posture_carries_a_known_mass_the_planned_ones_are_held_out(plain):

@@ -101,6 +101,21 @@ def test_an_effect_without_an_axis_has_every_parameter_told():
     assert told["place"] == "shoulder"
 
 
+def test_tilts_of_a_bearing_are_told_as_stiffnesses():
+    none = Interval(unit="rad/(N m)", value=1e-7, std=1e-7, low=0.0, high=4e-7)
+    tilts = {"bearing a joint_2": COMPLIANCE, "bearing b joint_2": none}
+    told = words_of(tilts, {}, size="bearing a joint_2")
+    assert told["k bearing a joint_2"].startswith("100 000 ± 1 000 N m/rad")
+    # Of what may give way by nothing only the least stiffness is known: 1 / 4e-7.
+    assert told["k bearing b joint_2"] == "at least 2 500 000 N m/rad (95 %)"
+
+
+def test_what_only_shapes_an_effect_is_not_told_to_people():
+    told = words_of({"gamma": COMPLIANCE, "taper": TILT}, {}, details=("taper",))
+    assert "k" in told
+    assert "taper" not in told
+
+
 def test_a_logarithm_is_told_as_the_factor_it_is_of():
     reads = Interval(unit="", value=np.log(1.2), std=0.01, low=np.log(1.18), high=np.log(1.22))
     told = words_of({"ln hammer": reads}, {}, size="ln hammer")

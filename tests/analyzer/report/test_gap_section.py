@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.records import (
     Disagreement,
     EffectFound,
@@ -25,6 +27,8 @@ from armodal.analyzer.report.effect_words import mechanics_of
 from armodal.analyzer.report.gap_file import gap_from_json, gap_to_json
 from armodal.analyzer.report.gap_section import gap_page
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
+from armodal.analyzer.report.marked_effects import drawn_effects
+from armodal.protocols.arm.files import load_arm
 
 P = {
     "axis compliance link_3": Interval(
@@ -108,17 +112,23 @@ def test_a_proposed_next_test_comes_back_from_the_file_and_an_older_file_has_non
     assert gap_from_json(json.dumps(older)) == NAMED
 
 
+def page_of(result, summary="session 1"):
+    superset = Superset(load_arm("bench57"))
+    joints_rad = np.zeros(len(superset.arm.joints))
+    return gap_page(result, summary, drawn_effects(superset, joints_rad, result.effects))
+
+
 @pytest.mark.parametrize("verdict", list(Verdict))
 def test_every_verdict_has_its_page_and_its_file(verdict) -> None:
     bare = verdict is not Verdict.NAMED
     result = replace(NAMED, verdict=verdict, effects=() if bare else NAMED.effects)
-    page = gap_page(result, "session 1")
+    page = page_of(result)
     assert result.summary in page
     assert gap_from_json(gap_to_json(result)) == result
 
 
 def test_the_page_says_what_to_do_and_how_sure() -> None:
-    page = gap_page(NAMED, "session 1")
+    page = page_of(NAMED)
     for said in (
         "99.8 %",
         "N m/rad",
@@ -132,12 +142,24 @@ def test_the_page_says_what_to_do_and_how_sure() -> None:
         assert said in page
 
 
+def test_the_page_draws_the_arm_with_what_was_found() -> None:
+    """An axis is drawn in a link of this arm; a place without one is marked; else no drawing."""
+    link = load_arm("bench57").joints[1].link.name
+    (found,) = NAMED.effects
+    (drawn,) = (replace(found, description={**found.description, "link": link}),)
+    assert "what was found on it" in page_of(replace(NAMED, effects=(drawn,)))
+    assert f"{link}: stiffness" in page_of(replace(NAMED, effects=(drawn,)))
+    marked = replace(found, description={}, place="joint_2")
+    assert "what was found on it" in page_of(replace(NAMED, effects=(marked,)))
+    assert "what was found on it" not in page_of(replace(NAMED, effects=()))
+
+
 EVIL = "<b>&"
 SHOWN = "&lt;b&gt;&amp;"
 
 
 def test_text_is_shown_and_never_run() -> None:
-    page = gap_page(replace(NAMED, summary=EVIL, gap_before=(), gap_after=(), where=()), EVIL)
+    page = page_of(replace(NAMED, summary=EVIL, gap_before=(), gap_after=(), where=()), EVIL)
     assert EVIL not in page
     assert page.count(SHOWN) == 2
 
@@ -150,7 +172,7 @@ def test_names_with_tags_are_shown_in_the_figures() -> None:
         gap_after=evil_gap,
         where=(replace(NAMED.where[0], posture=EVIL, point=EVIL, axis="x"),),
     )
-    assert EVIL not in gap_page(result, "session 1")
+    assert EVIL not in page_of(result)
     assert errors_svg(result).count(SHOWN) == 1
     ((_, where),) = disagreement_svgs(result)
     assert where.count(SHOWN) == 4  # posture, point, and both in the cell's own title

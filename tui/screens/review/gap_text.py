@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from armodal.analyzer.gap.records import Interval
-from armodal.analyzer.report.effect_words import chance, mechanics
+from armodal.analyzer.report.effect_words import chance, largest_in_words, mechanics
 from armodal.protocols.printable import printable
 from armodal.tui.fitting_table import FittingTable
 from armodal.tui.screens.review.gap_map import gap_map
@@ -115,6 +115,7 @@ def _mechanics(row: Mapping[str, Any]) -> list[tuple[str, str]]:
             parameters=whole,
             description=described if isinstance(described, Mapping) else {},
             moves=[str(name) for name in row.get("moves", ())],
+            details=[str(name) for name in row.get("details", ())],
             place=str(row.get("place") or ""),
             confused_with=[str(x) for x in confused] if isinstance(confused, (list, tuple)) else [],
             told_by=str(row.get("told_by") or ""),
@@ -238,11 +239,17 @@ def _hidden(found: Mapping[str, Any]) -> RenderableType | None:
     rows = _rows(found, "hidden")
     if not rows:
         return None
-    table = _table("effect", "place", "parameter", "at most", "")
+    table = _table("effect", "place", "parameter", "")
     for row in rows:
         what = str(row.get("title") or row.get("name", "?"))
         cells = (str(row.get(key, "?")) for key in ("place", "parameter"))
-        _add(table, what, *cells, _number(row.get("largest")), str(row.get("unit", "")))
+        largest, unit = row.get("largest"), str(row.get("unit", ""))
+        _add(
+            table,
+            what,
+            *cells,
+            largest_in_words(largest, unit) if isinstance(largest, (int, float)) else "?",
+        )
     return _titled("Could still hide, 95 %", table)
 
 
