@@ -24,7 +24,8 @@ __all__ = [
 
 _OF_AN_AXIS = ("link", "direction", "point_m")
 _K = "stiffness "
-_INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m"}  # a compliance is read as a stiffness
+# A compliance is read as a stiffness; of a length of a link as its EI or GJ.
+_INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m", "rad/(N m²)": "N m²"}
 _LOGARITHM, _TIMES = "ln", "times"
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
 _ALMOST_SURE = 0.999
@@ -125,8 +126,7 @@ def mechanics(
         if name not in hidden:
             told = name
             if name in stiff:
-                one = len(stiff) == 1 or axis
-                told = "k" if one else f"k {name.replace('compliance ', '')}"
+                told = _stiffness_name(name, found.unit, alone=axis is not None or len(stiff) == 1)
             told, own = _as_factor(told, found)
             rows.append((told, interval_in_words(own).removeprefix(_K)))
     damping = _damping(parameters.get(size), parameters) if axis is not None else ""
@@ -139,7 +139,7 @@ def mechanics(
         where += " (in its frame: the axis' direction, and its point nearest the origin)"
     rows.append(("place", where))
     rows += [
-        (name, _told(value))
+        _entry(name, value)
         for name, value in description.items()
         if axis is None or name not in _OF_AN_AXIS
     ]
@@ -148,6 +148,14 @@ def mechanics(
     if told_by:
         rows.append(("told apart by", told_by))
     return tuple(rows)
+
+
+def _stiffness_name(name: str, unit: str, *, alone: bool) -> str:
+    if "compliance" not in name.split():
+        return "k" if alone else f"k {name}"
+    if unit == "rad/(N m²)":
+        return name.replace("compliance", "stiffness")
+    return "k" if alone else name.replace("compliance", "k")
 
 
 def _axis_in_words(description: Mapping[str, object]) -> str | None:
@@ -184,6 +192,12 @@ def _damping(size: Interval | None, parameters: Mapping[str, Interval]) -> str:
     c = losses[0].value / size.value
     value, std = plus_minus(c, float(np.hypot(losses[0].std, c * size.std)) / size.value)
     return f"{value} ± {std} N m s/rad"
+
+
+def _entry(name: str, value: object) -> tuple[str, str]:
+    """An entry of a description as people read it: its name without its unit."""
+    words = name.removesuffix("_m")
+    return words.replace("_", " "), f"{_told(value)}{' m' if words != name else ''}"
 
 
 def _told(value: object) -> str:

@@ -95,9 +95,12 @@ def test_what_an_effect_was_confused_with_is_told_and_that_there_is_nothing_too(
 
 
 def test_an_effect_without_an_axis_has_every_parameter_told():
-    told = words_of({"gamma": COMPLIANCE, "tilt": TILT}, {"points": ["1", "2"]})
+    described = {"points": ["1", "2"], "softest_about": [0.0, 1.0], "from_m": [0.5, 1.0]}
+    told = words_of({"gamma": COMPLIANCE, "tilt": TILT}, described)
     assert told["tilt"] == "0.0100 ± 0.0010 (95 %: 0.00800 to 0.0120)"
     assert told["points"] == "1, 2"
+    assert told["softest about"] == "0, 1"
+    assert told["from"] == "0.5, 1 m"
     assert told["place"] == "shoulder"
 
 
@@ -108,6 +111,13 @@ def test_tilts_of_a_bearing_are_told_as_stiffnesses():
     assert told["k bearing a joint_2"].startswith("100 000 ± 1 000 N m/rad")
     # Of what may give way by nothing only the least stiffness is known: 1 / 4e-7.
     assert told["k bearing b joint_2"] == "at least 2 500 000 N m/rad (95 %)"
+
+
+def test_a_link_that_bends_all_along_is_told_by_its_bending_stiffness():
+    """1/EI = 1e-5 rad/(N m²) is 100 kN m²."""
+    bends = replace(COMPLIANCE, unit="rad/(N m²)")
+    told = words_of({"bending compliance arm": bends}, {}, size="bending compliance arm")
+    assert told["bending stiffness arm"] == "100 000 ± 1 000 N m² (95 %: 98 000 to 102 000 N m²)"
 
 
 def test_what_only_shapes_an_effect_is_not_told_to_people():
