@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
-from armodal.hil_sim.effects.hidden import Hidden, about, plain, unit, within
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, plain, unit, within
 from armodal.hil_sim.effects.hung import Hung
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import NotNegative, Vector
@@ -15,7 +15,6 @@ from armodal.hil_sim.truth import NotNegative, Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-SINCE, SIZED = 3, True  # version of the library
 PART, HERTZ, RATIO = 0.03, (7.0, 55.0), (0.015, 0.12)  # part of the arm's mass
 
 
@@ -58,3 +57,4 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"absorber": _of_file}
+HIDES = {"absorber": Hides(hide=hide, since=3, sized=True)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -10,11 +10,17 @@ from pydantic import Field
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import swing_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.elements import Gap
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["OF_FILE", "Backlash"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Backlash"]
+
+PLAY = 0.2  # half of it / swing after a hit of middle level
 
 
 class Backlash(BaseEffect):
@@ -52,4 +58,14 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Play where weight does not close it in most postures: in the joint with the least load."""
+    loads = {name: float(np.median(np.abs(places.loads(name)))) for name in places.elastic[:4]}
+    joint = min(loads, key=lambda name: loads[name])
+    half = PLAY * places.swing(joint) * magnitude * about(rng)
+    table = {"kind": "backlash", "joint": joint, "half_rad": half}
+    return hidden("backlash", joint, table, half_rad=half)
+
+
 OF_FILE = {"backlash": _of_file}
+HIDES = {"backlash": Hides(hide=hide, since=2)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -11,11 +11,15 @@ from pydantic import Field, model_validator
 from armodal.hil_sim.assembly import Assembly, Inertial, Segment, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s
 from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.newton_euler import Body
 from armodal.hil_sim.truth import Positive, Truth, Vector
 
-__all__ = ["OF_FILE", "Base", "BaseSpring"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Base", "BaseSpring"]
 
 _RADII_2_M2 = (
     0.01,
@@ -24,6 +28,9 @@ _RADII_2_M2 = (
 )  # of gyration, squared, where a file tells none: a plate of some 0.2 m
 
 WAYS = ("shift_x", "shift_y", "shift_z", "rock_x", "rock_y", "rock_z")
+
+ROCKING = 0.08  # of the arm's own joint compliance
+SHIFT_M2 = 2.5e-3  # m / N per rad / N m
 
 
 class BaseSpring(Truth):
@@ -119,4 +126,30 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table, *lossy], replaces=[("base", "")])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """The base rocks, and shifts in half of the cases."""
+    rock = ROCKING * places.compliance * magnitude * np.array([about(rng), about(rng)])
+    shift = SHIFT_M2 * rock * np.array([about(rng), about(rng)])
+    ways = {f"rock_{axis}": 1.0 / c for axis, c in zip("xy", rock, strict=True)}
+    if rng.random() < 0.5:
+        ways |= {f"shift_{axis}": 1.0 / c for axis, c in zip("xy", shift, strict=True)}
+    mass = float(rng.uniform(8.0, 25.0))
+    lost = loss_s(rng)
+    table = {
+        "kind": "base",
+        "pivot_m": (0.0, 0.0, float(rng.uniform(-0.05, 0.02))),
+        "mass_kg": mass,
+        "center_m": (0.0, 0.0, 0.08),
+        "inertia_kg_m2": (0.015 * mass, 0.0, 0.0, 0.015 * mass, 0.0, 0.02 * mass),
+        "springs": tuple(
+            {"way": way, "stiffness": float(k), "damping": float(lost * k)}
+            for way, k in ways.items()
+        ),
+    }
+    units = {way: "n_m_per_rad" if way.startswith("rock") else "n_per_m" for way in ways}
+    parameters = {f"{way}_{units[way]}": float(k) for way, k in ways.items()}
+    return hidden("base", "base", table, base_mass_kg=mass, **parameters)
+
+
 OF_FILE = {"base": _of_file}
+HIDES = {"base": Hides(hide=hide, since=1)}

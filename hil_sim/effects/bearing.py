@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -10,9 +10,15 @@ from pydantic import Field
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s
 from armodal.hil_sim.effects.interface_loss import loss_of_file
 
-__all__ = ["OF_FILE", "Bearing", "across"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Bearing", "across"]
+
+BEARING = 0.1  # of the arm's own joint compliance, both ways across
 
 
 def across(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -75,4 +81,19 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[*tables, *lossy], replaces=[("bearing", joint.name)])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A joint's bearing, alike both ways across."""
+    joint = places.main_joint(rng)
+    k = 1.0 / (BEARING * places.compliance * magnitude * about(rng))
+    lost = loss_s(rng)
+    table = {
+        "kind": "bearing",
+        "joint": joint,
+        "stiffness_n_m_per_rad": (k, k),
+        "damping_n_m_s_per_rad": (lost * k, lost * k),
+    }
+    return hidden("bearing", joint, table, compliance_rad_per_n_m=1.0 / k)
+
+
 OF_FILE = {"bearing": _of_file}
+HIDES = {"bearing": Hides(hide=hide, since=1)}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,12 +11,19 @@ from pydantic import Field, model_validator
 from armodal.hil_sim.assembly import Assembly
 from armodal.hil_sim.effects.bearing import across
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
-from armodal.hil_sim.effects.sliced_link import SlicedLink, slices_of_file
+from armodal.hil_sim.effects.hidden import Hidden, Hides, plain, unit
+from armodal.hil_sim.effects.sliced_link import SlicedLink, all_along, slices_of_file
 from armodal.hil_sim.truth import Positive, Vector
 
-__all__ = ["OF_FILE", "Bending"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Bending"]
 
 _WORD = "bend"  # in the names of its hinges
+
+BENDING = 0.15  # of the arm's own joint compliance, the whole link
+FLATTEST = 4.0  # at most, about one direction over the other: a thin box 0.4 as wide as high
 
 
 class Bending(SlicedLink):
@@ -63,4 +71,16 @@ def _of_file(own: FileEffect) -> Twin:
     return slices_of_file(own, "bending", "bending_stiffness_n_m2", _WORD, _softer(ratio), **more)
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A long link that bends all along, more easily about one direction than about the other."""
+    made = all_along("bending", "bending_stiffness_n_m2", BENDING * magnitude, places, rng)
+    table = {
+        **made.tables[0],
+        "softest_about": plain(unit(rng)),
+        "softest_over_stiffest": float(np.exp(rng.uniform(0.0, np.log(FLATTEST)))),
+    }
+    return replace(made, tables=[table])
+
+
 OF_FILE = {"link_bending": _of_file}
+HIDES = {"link_bending": Hides(hide=hide, since=2, apart_from=("link_torsion", "link_axis"))}

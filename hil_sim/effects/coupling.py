@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.linear import LinearTerms
 from armodal.protocols.errors import PlantError
 
-__all__ = ["OF_FILE", "Coupling"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Coupling"]
+
+COUPLING = 0.4  # of the geometric mean of both stiffnesses
 
 
 class Coupling(BaseEffect):
@@ -63,4 +69,25 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Two neighbouring joints, the wrist's where they give way."""
+    pairs = list(zip(places.elastic, places.elastic[1:], strict=False))
+    pairs = pairs[1:] or pairs  # the first joint turns all the others alike
+    if not pairs:
+        raise PlantError("coupling: wanted two joints with a stiffness, got fewer")
+    pair = pairs[int(rng.integers(len(pairs)))]
+    ends = [places.joints[name] for name in pair]
+    part = float(rng.choice([-1.0, 1.0]) * COUPLING * magnitude * about(rng))
+    k = part * np.sqrt(np.prod([end["stiffness_n_m_per_rad"] for end in ends]))
+    c = part * np.sqrt(np.prod([end["damping_n_m_s_per_rad"] for end in ends]))
+    table = {
+        "kind": "coupling",
+        "joints": pair,
+        "cross_stiffness_n_m_per_rad": float(k),
+        "cross_damping_n_m_s_per_rad": float(c),
+    }
+    return hidden("coupling", list(pair), table, cross_stiffness_n_m_per_rad=float(k))
+
+
 OF_FILE = {"coupling": _of_file}
+HIDES = {"coupling": Hides(hide=hide, since=1, sized=True, apart_from=("wrist_coupling",))}

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive, Vector
 from armodal.protocols.errors import PlantError
 
-__all__ = ["OF_FILE", "Dashpot"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Dashpot"]
+
+DASHPOT = 2.0  # about the joints between its ends, of their mean damping
 
 
 class Dashpot(BaseEffect):
@@ -61,4 +67,34 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A damper from the floor or the first link to a link beyond the second joint."""
+    names = list(places.links)
+    near = "floor" if rng.random() < 0.5 else names[0]
+    far = names[int(rng.integers(2, 4))]
+    first = places.reach(names[1])
+    lever = 0.6 * float(np.linalg.norm(first))
+    joints = [places.joints[name]["damping_n_m_s_per_rad"] for name in places.elastic[:3]]
+    damping = float(DASHPOT * magnitude * about(rng) * np.mean(joints) / lever**2)
+    from_m = (0.25, 0.3, 0.1) if near == "floor" else plain(places.somewhere(rng, near))
+    to_m = plain(places.somewhere(rng, far))
+    table = {
+        "kind": "dashpot",
+        "from_link": near,
+        "from_m": from_m,
+        "to_link": far,
+        "to_m": to_m,
+        "damping_n_s_per_m": damping,
+    }
+    return hidden(
+        "nonproportional",
+        [near, far],
+        table,
+        damping_n_s_per_m=damping,
+        from_m=list(from_m) if near == "floor" else places.in_file(near, from_m),
+        to_m=places.in_file(far, to_m),
+    )
+
+
 OF_FILE = {"nonproportional": _of_file}
+HIDES = {"nonproportional": Hides(hide=hide, since=2, sized=True)}

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.sensing import CHANNELS, Sensing
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["OF_FILE", "Delay"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Delay"]
+
+DELAY_S = 6e-4
 
 
 class Delay(BaseEffect):
@@ -33,4 +40,18 @@ class Delay(BaseEffect):
         return replace(sensing, delay_s=(later[0], later[1], later[2], later[3]))
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Hammer or all of the accelerometer, late."""
+    del places
+    late_s = float(DELAY_S * magnitude * about(rng))
+    of_hammer = rng.random() < 0.5
+    table = {
+        "kind": "delay",
+        "channels": ("hammer",) if of_hammer else ("acc_x", "acc_y", "acc_z"),
+        "delay_s": late_s,
+    }
+    return hidden("delay", "hammer" if of_hammer else "accelerometer", table, delay_s=late_s)
+
+
 OF_FILE = {"delay": of_the_test}
+HIDES = {"delay": Hides(hide=hide, since=1)}

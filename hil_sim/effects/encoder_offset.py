@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.sensing import Sensing
 
-__all__ = ["OF_FILE", "EncoderOffset"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "EncoderOffset"]
+
+ENCODER_DEG = 4.0
 
 
 class EncoderOffset(BaseEffect):
@@ -35,4 +41,13 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table], replaces=[("encoder_offset", place)])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """One of the joints whose angle matters."""
+    joint = str(rng.choice(list(places.joints)[1:5] or list(places.joints)))
+    offset = float(rng.choice([-1.0, 1.0]) * ENCODER_DEG * magnitude * about(rng))
+    table = {"kind": "encoder_offset", "joint": joint, "offset_deg": offset}
+    return hidden("encoder_offset", joint, table, offset_deg=offset)
+
+
 OF_FILE = {"encoder_offset": _of_file}
+HIDES = {"encoder_offset": Hides(hide=hide, since=1, sized=True)}

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.sensing import Sensing
 
-__all__ = ["OF_FILE", "ExponentialWindow"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "ExponentialWindow"]
+
+WINDOW = 3.0  # minus the logarithm of its end
 
 
 class ExponentialWindow(BaseEffect):
@@ -25,4 +32,13 @@ class ExponentialWindow(BaseEffect):
         return replace(sensing, window_end=sensing.window_end * self.end)
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A front end's window that nobody corrects."""
+    del places
+    end = float(np.exp(-WINDOW * magnitude * about(rng)))
+    table = {"kind": "exponential_window", "end": end}
+    return hidden("exponential_window", "all", table, end=end)
+
+
 OF_FILE = {"exponential_window": of_the_test}
+HIDES = {"exponential_window": Hides(hide=hide, since=2)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +11,24 @@ from pydantic import Field
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import spring_of, swing_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.elements import Sliders
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["OF_FILE", "Friction"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Friction"]
 
 _SLIDERS = 8  # elements that the law of an arm file is made of, by its definition (`theory-gap.md`)
 _CREEPS = 1.0  # 1/s: less is none within the second that a hit rings
+
+# A swing is the joint's, after a hit of middle level.
+FRICTION = 0.14  # limit / (stiffness x swing)
+SEAT = 2.0  # stiffness of the friction's seat / the joint's
+MICROSLIP = 0.45
+MICROSLIP_SEAT = 0.4
 
 
 class Friction(BaseEffect):
@@ -86,4 +96,40 @@ def _microslip(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def _hide_friction(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Coulomb friction: it sticks while the swing is small."""
+    return _hidden("friction", FRICTION, SEAT, 1, places, rng, magnitude)
+
+
+def _hide_microslip(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A seat that slips little by little."""
+    return _hidden("microslip", MICROSLIP, MICROSLIP_SEAT, 6, places, rng, magnitude)
+
+
+def _hidden(
+    name: str,
+    size: float,
+    seat: float,
+    elements: int,
+    places: ArmPlaces,
+    rng: np.random.Generator,
+    magnitude: float,
+) -> Hidden:
+    joint = places.main_joint(rng)
+    k = places.joints[joint]["stiffness_n_m_per_rad"]
+    limit = size * k * places.swing(joint) * magnitude * about(rng)
+    table = {
+        "kind": "friction",
+        "joint": joint,
+        "limit_n_m": limit,
+        "stiffness_n_m_per_rad": seat * k,
+        "elements": elements,
+    }
+    return hidden(name, joint, table, limit_n_m=limit, stiffness_n_m_per_rad=seat * k)
+
+
 OF_FILE = {"friction": _friction, "microslip": _microslip}
+HIDES = {
+    "friction": Hides(hide=_hide_friction, since=2),
+    "microslip": Hides(hide=_hide_microslip, since=2),
+}

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect, with_point_matrix
 from armodal.hil_sim.effects.from_file import of_the_test
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, all_or_one_point, hidden
 from armodal.hil_sim.sensing import Sensing
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["OF_FILE", "ChannelGain", "HammerGain"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "ChannelGain", "HammerGain"]
+
+CHANNEL_GAIN = 0.25
+HAMMER_GAIN = 0.45
 
 
 class ChannelGain(BaseEffect):
@@ -43,4 +50,29 @@ class HammerGain(BaseEffect):
         return replace(sensing, hammer_gain=sensing.hammer_gain * self.factor)
 
 
+def _hide_channel_gain(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """One channel, at all points or at one."""
+    axis = str(rng.choice(list("xyz")))
+    points = all_or_one_point(places, rng, float(rng.random() * 2.0))
+    factor = _factor(CHANNEL_GAIN, rng, magnitude)
+    table = {"kind": "channel_gain", "axis": axis, "factor": factor, "points": points}
+    return hidden("channel_gain", list(points) or "all", table, axis=axis, factor=factor)
+
+
+def _hide_hammer_gain(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """The hammer's sensitivity."""
+    del places
+    factor = _factor(HAMMER_GAIN, rng, magnitude)
+    return hidden("hammer_gain", "hammer", {"kind": "hammer_gain", "factor": factor}, factor=factor)
+
+
+def _factor(step: float, rng: np.random.Generator, magnitude: float) -> float:
+    """Too large or too small."""
+    return float(np.exp(rng.choice([-1.0, 1.0]) * step * magnitude * about(rng)))
+
+
 OF_FILE = {"channel_gain": of_the_test, "hammer_gain": of_the_test}
+HIDES = {
+    "channel_gain": Hides(hide=_hide_channel_gain, since=1, placed=True),
+    "hammer_gain": Hides(hide=_hide_hammer_gain, since=1),
+}

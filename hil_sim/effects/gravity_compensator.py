@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +11,20 @@ from pydantic import model_validator
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import spring_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import NotNegative, Part, Positive, Vector
 
-__all__ = ["OF_FILE", "GravityCompensator", "lever_arms"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "GravityCompensator", "lever_arms"]
 
 _EYE_M = 0.2  # of the shorter lever of a cylinder of the file; its stiffness goes with it
 
 Array = npt.NDArray[np.float64]
+
+COMPENSATOR = 0.35  # of the joint's stiffness, where the cylinder is square to its lever
 
 
 def lever_arms(axis: Array, anchor: Array, eye: Array) -> tuple[float, float, float]:
@@ -108,4 +114,37 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A gas cylinder beside the joint that lifts, as stiff as when its valve is shut."""
+    joint = places.elastic[min(1, len(places.elastic) - 1)]
+    link = places.joints[joint]
+    k = link["stiffness_n_m_per_rad"]
+    axis = np.array(link["axis"])
+    reach = places.reach(link["name"])
+    along = reach - axis * (axis @ reach)
+    along /= np.linalg.norm(along)
+    lever = 0.35 * float(np.linalg.norm(reach))
+    square = np.cross(axis, along) * float(rng.choice([-1.0, 1.0]))
+    stiffness = float(COMPENSATOR * k * magnitude * about(rng) / lever**2)
+    anchor, eye = lever * 1.4 * (square - 0.3 * along), lever * along
+    table = {
+        "kind": "gravity_compensator",
+        "joint": joint,
+        "anchor_m": plain(anchor),
+        "eye_m": plain(eye),
+        "tension_n": float(rng.uniform(500.0, 1500.0)),
+        "stiffness_n_per_m": stiffness,
+        "damping_n_s_per_m": 1e-4 * stiffness,
+    }
+    return hidden(
+        "gravity_compensator",
+        joint,
+        table,
+        stiffness_n_per_m=stiffness,
+        anchor_m=places.in_file(places.before(link["name"]), anchor),
+        eye_m=places.in_file(link["name"], eye),
+    )
+
+
 OF_FILE = {"gravity_compensator": _of_file}
+HIDES = {"gravity_compensator": Hides(hide=hide, since=2, sized=True)}

@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain, unit
 from armodal.hil_sim.newton_euler import rotation
 from armodal.hil_sim.sensing import Sensing
 from armodal.hil_sim.truth import Vector
 
-__all__ = ["OF_FILE", "HitDirection"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "HitDirection"]
+
+HIT_DEG = 12.0
 
 
 class HitDirection(BaseEffect):
@@ -31,4 +37,15 @@ class HitDirection(BaseEffect):
         return replace(sensing, hit_turn=rotation(turn / angle, angle) @ sensing.hit_turn)
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """All hits turned alike, about an axis across the first posture's."""
+    wanted = places.study.plan.postures[0].hit_direction
+    across = np.cross(np.array([0.0, 0.0, 1.0]) if wanted is None else wanted, unit(rng))
+    degrees = HIT_DEG * magnitude * about(rng)
+    turn = degrees * across / np.linalg.norm(across)
+    table = {"kind": "hit_direction", "turn_deg": plain(turn)}
+    return hidden("hit_direction", "hammer", table, turn_deg=list(plain(turn)))
+
+
 OF_FILE = {"hit_direction": of_the_test}
+HIDES = {"hit_direction": Hides(hide=hide, since=2)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -11,13 +11,18 @@ from pydantic import Field, model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.linear import LinearTerms, MaxwellElement
 from armodal.hil_sim.truth import Interval, Positive
 from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
 __all__ = [
     "BAND_HZ",
     "ELEMENTS",
+    "HIDES",
     "MOST_LOSS",
     "OF_FILE",
     "Hysteretic",
@@ -29,6 +34,8 @@ Array = npt.NDArray[np.float64]
 
 MOST_LOSS = 0.3  # loss factor: beyond it hardly a static spring is left beside the elements
 BAND_HZ, ELEMENTS = (5.0, 200.0), 5  # in which five elements keep it within some per cent
+
+HYSTERETIC_LOSS = 0.2
 
 
 def relative_strengths(band_hz: tuple[float, float], n: int) -> tuple[Array, Array]:
@@ -136,4 +143,16 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=tables, replaces=[("hysteretic", "")], damping=damping)
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Losses of the joints' drives that do not grow with frequency."""
+    loss = float(HYSTERETIC_LOSS * magnitude * about(rng))
+    table = {
+        "kind": "hysteretic",
+        "joints": tuple(places.elastic),
+        "loss_factor": loss,
+    }
+    return hidden("hysteretic", places.elastic, table, loss_factor=loss)
+
+
 OF_FILE = {"hysteretic": _of_file}
+HIDES = {"hysteretic": Hides(hide=hide, since=1)}

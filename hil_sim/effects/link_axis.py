@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,10 +10,16 @@ from pydantic import Field, model_validator
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s, plain, unit
 from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
-__all__ = ["OF_FILE", "LinkAxis"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "LinkAxis"]
+
+AXIS = 0.38  # of the arm's own joint compliance
 
 
 class LinkAxis(BaseEffect):
@@ -71,4 +77,35 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table | spring, *lossy])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """An axis in any direction, sometimes with a part of the link before it."""
+    link = str(rng.choice(places.structural()))
+    point, direction = places.somewhere(rng, link), unit(rng)
+    k = 1.0 / (AXIS * places.compliance * magnitude * about(rng))
+    near: tuple[str, ...] = ()
+    table = {
+        "kind": "link_axis",
+        "link": link,
+        "point_m": plain(point),
+        "direction": plain(direction),
+        "stiffness_n_m_per_rad": k,
+        "damping_n_m_s_per_rad": loss_s(rng) * k,
+    }
+    if rng.random() < 0.3 and len(places.points[link]) > 2:
+        nearest = min(places.points[link], key=lambda p: float(np.linalg.norm(p["position_m"])))
+        near = (nearest["id"],)
+        table |= {"mass_before": 0.25, "points_before": near}
+    return hidden(
+        "link_axis",
+        link,
+        table,
+        compliance_rad_per_n_m=1.0 / k,
+        point_m=places.in_file(link, point),
+        direction=places.in_file(link, direction),
+        points_before=list(near),
+        mass_before=0.25 if near else 0.0,
+    )
+
+
 OF_FILE = {"link_axis": _of_file}
+HIDES = {"link_axis": Hides(hide=hide, since=1, sized=True)}

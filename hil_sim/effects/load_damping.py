@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["OF_FILE", "LoadDamping"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "LoadDamping"]
+
+LOAD_DAMPING = 2.0  # more damping at the largest load of the postures
 
 
 class LoadDamping(BaseEffect):
@@ -33,4 +39,15 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[{"kind": "load_damping", "joint": own.effect.place, "load_n_m": load}])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Losses that grow with the weight a joint carries."""
+    loads = {joint: places.loads(joint) for joint in places.elastic[1:3] or places.elastic}
+    joint = str(rng.choice(list(loads)))
+    largest = max(abs(load) for load in loads[joint])
+    load = largest / (LOAD_DAMPING * magnitude * about(rng))
+    table = {"kind": "load_damping", "joint": joint, "load_n_m": load}
+    return hidden("load_damping", joint, table, load_n_m=load)
+
+
 OF_FILE = {"load_damping": _of_file}
+HIDES = {"load_damping": Hides(hide=hide, since=2, sized=True)}

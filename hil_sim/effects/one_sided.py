@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s, plain, unit
 from armodal.hil_sim.elements import OneSided
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
-__all__ = ["OneSidedCrack"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OneSidedCrack"]
+
+CRACK = 0.8  # open, of the arm's joint compliance
 
 
 class OneSidedCrack(BaseEffect):
@@ -56,3 +62,23 @@ class OneSidedCrack(BaseEffect):
                 opening=self.opening_rad,
             )
         )
+
+
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A crack or a bolt that opens a little beside rest."""
+    link = str(rng.choice(places.structural()[:4]))
+    opened = 1.0 / (CRACK * places.compliance * magnitude * about(rng))
+    table = {
+        "kind": "one_sided",
+        "link": link,
+        "point_m": plain(places.somewhere(rng, link)),
+        "direction": plain(unit(rng)),
+        "stiffness_closed_n_m_per_rad": 8.0 * opened,
+        "stiffness_open_n_m_per_rad": opened,
+        "damping_n_m_s_per_rad": loss_s(rng) * opened,
+        "opening_rad": float(rng.uniform(0.0, 3e-6)),
+    }
+    return hidden("one_sided", link, table, stiffness_open_n_m_per_rad=opened)
+
+
+HIDES = {"one_sided": Hides(hide=hide, since=0)}

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s, plain, unit
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.newton_euler import point_jacobian
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 from armodal.protocols.errors import PlantError
 
-__all__ = ["Parallelogram"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "Parallelogram"]
+
+BAR = 0.6  # of the far joint's stiffness, where bar and tail are square
 
 
 class Parallelogram(BaseEffect):
@@ -56,3 +62,26 @@ class Parallelogram(BaseEffect):
         row = along @ (v_tail - v_crank)
         terms.spring(row[None, :], self.stiffness_n_per_m, self.damping_n_s_per_m)
         terms.M = terms.M + 0.5 * self.mass_kg * v_tail.T @ v_tail
+
+
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A bar beside the second link, from a crank to the third link's tail."""
+    near, far = places.elastic[1:3]
+    axis = np.array(places.joints[far]["axis"])
+    tail = np.cross(axis, unit(rng))
+    tail *= 0.1 / np.linalg.norm(tail)
+    k = places.joints[far]["stiffness_n_m_per_rad"] * BAR * magnitude * about(rng) / 0.1**2
+    table = {
+        "kind": "parallelogram",
+        "joint": near,
+        "joint_after": far,
+        "tail_m": plain(tail),
+        "stiffness_n_per_m": float(k),
+        "damping_n_s_per_m": float(loss_s(rng) * k),
+        "mass_kg": float(rng.uniform(0.5, 1.5)),
+    }
+    place = [near, far]
+    return hidden("parallelogram_bar", place, table, stiffness_n_per_m=float(k))
+
+
+HIDES = {"parallelogram_bar": Hides(hide=hide, since=0, sized=True)}

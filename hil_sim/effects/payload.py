@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -10,9 +10,15 @@ from pydantic import Field
 from armodal.hil_sim.assembly import Assembly, Inertial
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain, unit
 from armodal.hil_sim.truth import Positive, Vector
 
-__all__ = ["OF_FILE", "Payload"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Payload"]
+
+PAYLOAD = 0.035  # of the arm's mass
 
 
 class Payload(BaseEffect):
@@ -54,4 +60,23 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """On the last link or on the one that carries the wrist."""
+    names = list(places.links)
+    link = names[-1] if rng.random() < 0.6 else names[min(3, len(names) - 1)]
+    arm_kg = sum(link["mass_kg"] for link in places.links.values())
+    mass = float(PAYLOAD * arm_kg * magnitude * about(rng))
+    center = np.array(places.links[link]["center_m"]) + 0.06 * unit(rng)
+    own = 0.002 * mass
+    table = {
+        "kind": "payload",
+        "link": link,
+        "mass_kg": mass,
+        "center_m": plain(center),
+        "inertia_kg_m2": (own, 0.0, 0.0, own, 0.0, own),
+    }
+    return hidden("payload", link, table, mass_kg=mass, center_m=places.in_file(link, center))
+
+
 OF_FILE = {"payload": _of_file}
+HIDES = {"payload": Hides(hide=hide, since=1, sized=True, larger_on={"bench57": 10.0, "ur5": 2.5})}

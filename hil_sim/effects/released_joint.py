@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.truth import NotNegative, Positive
+from armodal.protocols.errors import PlantError
 
-__all__ = ["OF_FILE", "ReleasedJoint"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "ReleasedJoint"]
+
+RELEASED = 7.5  # of the arm's own joint compliance
 
 
 class ReleasedJoint(BaseEffect):
@@ -42,4 +51,20 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=released(place, own), replaces=[("released_joint", place)])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A joint the arm file calls rigid."""
+    if not places.rigid:
+        raise PlantError("released_joint: wanted a joint believed rigid, got none")
+    joint = places.rigid[0] if len(places.rigid) > 1 else places.rigid[-1]
+    k = 1.0 / (RELEASED * places.compliance * magnitude * about(rng))
+    table = {
+        "kind": "released_joint",
+        "joint": joint,
+        "stiffness_n_m_per_rad": k,
+        "damping_n_m_s_per_rad": 0.06 * k / (2.0 * np.pi * 100.0),
+    }
+    return hidden("released_joint", joint, table, stiffness_n_m_per_rad=k)
+
+
 OF_FILE = {"released_joint": _of_file}
+HIDES = {"released_joint": Hides(hide=hide, since=1, sized=True)}

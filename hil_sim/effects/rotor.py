@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import NotNegative, Positive
 
-__all__ = ["OF_FILE", "Rotor"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Rotor"]
+
+ROTOR = 0.15  # of the inertia that the joint carries in the first posture
+SERVO = 0.4  # servo compliance / joint compliance
 
 
 class Rotor(BaseEffect):
@@ -86,4 +93,36 @@ def _servo(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def _hide_rotor(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Reflected inertia that turns as the joint does."""
+    joint = places.main_joint(rng)
+    inertia = ROTOR * places.carried(joint) * magnitude * about(rng)
+    table = {"kind": "rotor", "joint": joint, "inertia_kg_m2": inertia}
+    return hidden("rotor", joint, table, inertia_kg_m2=inertia)
+
+
+def _hide_servo(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A soft servo, the rotor a degree of freedom of its own."""
+    joint = places.main_joint(rng)
+    inertia = ROTOR * places.carried(joint) * about(rng)
+    own = places.joints[joint]
+    k = own["stiffness_n_m_per_rad"] / (SERVO * magnitude * about(rng))
+    table = {
+        "kind": "rotor",
+        "joint": joint,
+        "inertia_kg_m2": inertia,
+        "servo_stiffness_n_m_per_rad": float(k),
+        "servo_damping_n_m_s_per_rad": float(2.0 * own["damping_n_m_s_per_rad"]),
+    }
+    return hidden(
+        "servo", joint, table, inertia_kg_m2=inertia, servo_stiffness_n_m_per_rad=float(k)
+    )
+
+
 OF_FILE = {"rotor": _rotor, "servo": _servo}
+HIDES = {
+    "rotor": Hides(
+        hide=_hide_rotor, since=1, sized=True, apart_from=("servo",), larger_on={"bench57": 4.0}
+    ),
+    "servo": Hides(hide=_hide_servo, since=1, sized=True),
+}

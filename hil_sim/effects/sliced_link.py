@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -11,15 +11,20 @@ from pydantic import Field, model_validator
 from armodal.hil_sim.assembly import Assembly, Spring
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
+from armodal.hil_sim.effects.hidden import Hidden, about, hidden, loss_s, plain
 from armodal.hil_sim.effects.interface_loss import loss_of_file
 from armodal.hil_sim.pieces import slice_label, sliced
 from armodal.hil_sim.truth import NotNegative, Positive, Vector
 
-__all__ = ["SlicedLink", "slices_of_file"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["SlicedLink", "all_along", "slices_of_file"]
 
 Array = npt.NDArray[np.float64]
 
 _CUTS_OF_FILE = 9  # of a file's link: they give the deflection of its tip to 0.3 %
+CUTS = 8  # of a link: none where one of two to four points stands, and its tip is right to 0.4 %
 
 
 class SlicedLink(BaseEffect):
@@ -111,3 +116,27 @@ def slices_of_file(
     }
     lossy = loss_of_file(own.sizes.get(f"{kind}_loss_factor", 0.0), hinges)
     return Twin(tables=[table, *lossy])
+
+
+def all_along(
+    kind: str, key: str, part: float, places: ArmPlaces, rng: np.random.Generator
+) -> Hidden:
+    """A long link whose whole compliance is a part of the arm's own."""
+    link = _long_link(places, rng)
+    start, end = places.tube(link)
+    stiffness = float(np.linalg.norm(end - start) / (part * places.compliance * about(rng)))
+    table = {
+        "kind": kind,
+        "link": link,
+        "from_m": plain(start),
+        "to_m": plain(end),
+        "cuts": CUTS,
+        key: stiffness,
+        "loss": loss_s(rng),
+    }
+    return hidden(f"link_{kind}", link, table, **{key: stiffness})
+
+
+def _long_link(places: ArmPlaces, rng: np.random.Generator) -> str:
+    """One of the two links that are most longer than wide."""
+    return str(rng.choice(sorted(places.structural(), key=places.longer_than_wide)[-2:]))

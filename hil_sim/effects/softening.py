@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -10,11 +10,17 @@ from pydantic import Field
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import swing_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
 from armodal.hil_sim.elements import Softening as SofteningElement
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["OF_FILE", "Softening"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Softening"]
+
+SOFT_PART, SOFT_AT = 0.4, 0.5  # the latter of the joint's swing after a hit of middle level
 
 
 class Softening(BaseEffect):
@@ -54,4 +60,13 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[table])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A joint softer for larger motion."""
+    joint = places.main_joint(rng)
+    part, at = SOFT_PART * magnitude * about(rng), SOFT_AT * places.swing(joint)
+    table = {"kind": "softening", "joint": joint, "part": part, "at_rad": at}
+    return hidden("softening", joint, table, part=part, at_rad=at)
+
+
 OF_FILE = {"softening": _of_file}
+HIDES = {"softening": Hides(hide=hide, since=2, apart_from=("backlash",))}

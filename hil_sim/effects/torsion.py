@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
 
 from armodal.hil_sim.assembly import Assembly
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
-from armodal.hil_sim.effects.sliced_link import SlicedLink, slices_of_file
+from armodal.hil_sim.effects.hidden import Hidden, Hides
+from armodal.hil_sim.effects.sliced_link import SlicedLink, all_along, slices_of_file
 from armodal.hil_sim.truth import Positive
 
-__all__ = ["OF_FILE", "Torsion"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "Torsion"]
 
 _WORD = "twist"  # in the names of its hinges
+
+TORSION = 0.8  # of the arm's own joint compliance, the whole link
 
 
 class Torsion(SlicedLink):
@@ -29,4 +37,10 @@ def _of_file(own: FileEffect) -> Twin:
     return slices_of_file(own, "torsion", "torsional_stiffness_n_m2", _WORD)
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """A long link that twists all along."""
+    return all_along("torsion", "torsional_stiffness_n_m2", TORSION * magnitude, places, rng)
+
+
 OF_FILE = {"link_torsion": _of_file}
+HIDES = {"link_torsion": Hides(hide=hide, since=2, sized=True, apart_from=("link_axis",))}

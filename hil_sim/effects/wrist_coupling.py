@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about
 from armodal.hil_sim.effects.released_joint import released
 from armodal.hil_sim.linear import LinearTerms
 from armodal.protocols.errors import PlantError
 
-__all__ = ["OF_FILE", "WristCoupling"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "WristCoupling"]
+
+WRIST_RATIO = 1.0
+STIFF_WRIST_HZ = 600.0  # of the driven link on its spring
 
 
 class WristCoupling(BaseEffect):
@@ -62,4 +69,30 @@ def _of_file(own: FileEffect) -> Twin:
     return Twin(tables=[spring, gears, *losses], replaces=[("released_joint", driven)])
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """The last drive runs through the wrist: it turns back when the joint before it gives way.
+
+    Its own spring is stiff, since the arm file calls it rigid.
+    """
+    if not places.rigid:
+        raise PlantError("wrist_coupling: wanted a joint believed rigid, got none")
+    driver, driven = places.elastic[-1], places.rigid[0]
+    stiff = places.carried(driven) * (2.0 * np.pi * STIFF_WRIST_HZ) ** 2
+    ratio = float(rng.choice([-1.0, 1.0]) * WRIST_RATIO * magnitude * about(rng))
+    drive = {
+        "kind": "released_joint",
+        "joint": driven,
+        "stiffness_n_m_per_rad": stiff,
+        "damping_n_m_s_per_rad": 1e-5 * stiff,
+    }
+    table = {"kind": "wrist_coupling", "driver": driver, "driven": driven, "ratio": ratio}
+    return Hidden(
+        tables=[drive, table],
+        name="wrist_coupling",
+        place=[driver, driven],
+        parameters={"ratio": ratio},
+    )
+
+
 OF_FILE = {"wrist_coupling": _of_file}
+HIDES = {"wrist_coupling": Hides(hide=hide, since=2, sized=True)}

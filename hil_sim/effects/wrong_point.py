@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain, unit
 from armodal.hil_sim.sensing import Sensing
 from armodal.hil_sim.truth import Vector
 
-__all__ = ["OF_FILE", "ExchangedPoints", "MovedPoint"]
+if TYPE_CHECKING:
+    from armodal.hil_sim.study.places import ArmPlaces
+
+__all__ = ["HIDES", "OF_FILE", "ExchangedPoints", "MovedPoint"]
+
+MOVED_M = 0.12
 
 
 class ExchangedPoints(BaseEffect):
@@ -40,4 +46,20 @@ class MovedPoint(BaseEffect):
         return replace(sensing, moved={**sensing.moved, self.point: np.array(self.by_m)})
 
 
+def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
+    """Two points of a link exchanged when clear; else one point off its place."""
+    links = [name for name in places.structural() if name != list(places.links)[-1]]
+    link = str(rng.choice(links))
+    points = [point["id"] for point in places.points[link]]
+    if magnitude >= 1.0:
+        pair = sorted(str(name) for name in rng.choice(points, 2, replace=False))
+        table = {"kind": "exchanged_points", "points": tuple(pair)}
+        return hidden("wrong_point", pair, table, exchanged=pair)
+    point = str(rng.choice(points))
+    by = MOVED_M * magnitude * about(rng) * unit(rng)
+    moved = {"kind": "moved_point", "point": point, "by_m": plain(by)}
+    return hidden("wrong_point", [point], moved, by_m=places.in_file(link, by))
+
+
 OF_FILE = {"wrong_point": of_the_test}
+HIDES = {"wrong_point": Hides(hide=hide, since=2)}

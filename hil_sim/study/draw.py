@@ -9,22 +9,10 @@ from functools import partial
 from typing import NamedTuple
 
 from armodal.hil_sim.streams import Streams, stream
-from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE
+from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, OUTSIDE, stand_apart
 from armodal.hil_sim.study.hiding import CaseSpec
 
 __all__ = ["draw_study"]
-
-# Stiffness that two effects both change is drawn once: these never stand together.
-APART = (
-    {"rotor", "servo"},
-    {"flipped_axis", "swapped_axes"},
-    {"flipped_axis", "channel_gain"},
-    {"link_bending", "link_torsion"},
-    {"link_bending", "link_axis"},
-    {"link_torsion", "link_axis"},
-    {"coupling", "wrist_coupling"},
-    {"softening", "backlash"},
-)
 
 
 def draw_study(
@@ -108,5 +96,5 @@ def _shuffled(names: Sequence[str], streams: Streams) -> list[str]:
 def _pair(names: Sequence[str]) -> tuple[str, str]:
     """The first name and the first after it that may stand beside it."""
     first, *others = names
-    beside = (name for name in others if not any({first, name} <= apart for apart in APART))
+    beside = (name for name in others if not stand_apart(first, name))
     return first, next(beside)

@@ -9,7 +9,7 @@ from typing import Any
 from armodal.hil_sim.effects.hidden import Hidden
 from armodal.hil_sim.streams import stream
 from armodal.hil_sim.study.arms import StudyArm, study_arm
-from armodal.hil_sim.study.catalogue import LIBRARY, MAGNITUDES, MORE, OUTSIDE, PLACED, SIZED
+from armodal.hil_sim.study.catalogue import HIDES, MAGNITUDES, OUTSIDE
 from armodal.hil_sim.study.model_error import Tables, erring_plant_tables
 from armodal.hil_sim.study.of_file import with_file_effects
 from armodal.hil_sim.study.places import ArmPlaces
@@ -93,18 +93,18 @@ class _Effect:
     def sized(self) -> tuple[Hidden, float | None]:
         """Return what is hidden, and how far its clear size stands out where that was searched."""
         sized = AS_MADE
-        if self.name in SIZED:
+        if HIDES[self.name].sized:
             sized = clear_size(self._stands_out)
-        elif self.name in PLACED:
+        elif HIDES[self.name].placed:
             sized = clear_place(self._stands_out)
         factor = self.spec.magnitude
         if isinstance(factor, str):
             factor = MAGNITUDES[factor]
-        size = sized.size * MORE.get((self.spec.arm, self.name), 1.0)
+        size = sized.size * HIDES[self.name].larger_on.get(self.spec.arm, 1.0)
         return self._made(sized.place, size * factor), sized.stands_out or None
 
     def _made(self, place: int, size: float) -> Hidden:
-        make = LIBRARY.get(self.name) or OUTSIDE[self.name]
+        make = HIDES[self.name].hide
         rng = stream(self.spec.seed, "effect", self.name, self.copy, place)
         try:
             return make(self.places, rng, size)
