@@ -108,7 +108,8 @@ def test_a_fit_that_small_steps_ended_still_promises_what_is_left():
     ended = fit_hypothesis(stage, hypothesis, start=dict(zip("xy", theirs.x, strict=True)))
     assert ended.promised < 1e-3 * stuck.promised
     assert not notes_on_its_end(ended)
-    assert f"{stuck.promised:.1f} nats" in notes_on_its_end(stuck)[0]
+    part = 100.0 * stuck.promised / stuck.cost
+    assert f"{part:.2g} % of its misfit" in notes_on_its_end(stuck)[0]
 
 
 @pytest.mark.parametrize(("pull", "names"), [(4.0, False), (100.0, True)])
