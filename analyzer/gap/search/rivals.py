@@ -23,6 +23,7 @@ from armodal.analyzer.gap.inference.fit import (
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.beginnings import LEADING, promising_beginnings
+from armodal.analyzer.gap.search.best_fits import each_minimum, hopeful, one_each
 from armodal.analyzer.gap.search.candidates import (
     all_candidates,
     goes_with,
@@ -101,10 +102,21 @@ def find_rivals(
         Keys of instances that are not tried.
     afresh
         Whether `fitted` is set beside a fit from the start, before something more is looked for:
-        what a fit left that ended in a local minimum is no other effect.
+        what a fit left that ended in a local minimum is no other effect. In the end it is set
+        beside one from where the best rival led.
     """
     *_, sharp = stages
     start = dict(start or {})
+    search = partial(
+        find_rivals,
+        stages,
+        present,
+        needs_more,
+        limit=limit,
+        start=start,
+        without=without,
+        tell=tell,
+    )
     tell("the arm as its file has it" + "".join(f", with: {i.title}" for i in present.instances))
     if fitted is None:
         base = annealed(stages, present, start)
@@ -136,24 +148,14 @@ def find_rivals(
     is_more = needs_more(base[-1], ())
     if not is_more:
         # Limits are read from the residual, and what is missing is in that: it may hide itself.
-        finals = _hopeful(near(lambda i, g: i is first or reaches_limit(i, g), reaches_limit))
+        finals = hopeful(near(lambda i, g: i is first or reaches_limit(i, g), reaches_limit))
         is_more = needs_more(base[-1], finals)
     if is_more:
         if fitted is not None and afresh:
             tell("from the start again, before more is looked for")
             anew = annealed(stages, present, _only_effects(present, start))[-1]
             if anew.evidence < fitted.evidence:
-                return find_rivals(
-                    stages,
-                    present,
-                    needs_more,
-                    limit=limit,
-                    start=start,
-                    fitted=anew,
-                    without=without,
-                    tell=tell,
-                    afresh=False,
-                )
+                return search(fitted=anew, afresh=False)
         most = looked[0].gain if looked else 0.0
         laws = fitted_laws(races, base[-1], tell, is_wanted=lambda gain: gain > most)
         laws = [f for f in laws if f.last.key not in without]
@@ -166,24 +168,31 @@ def find_rivals(
             lambda i, g: i is first or race.is_in_reach(base[-1], g),
             lambda _, g: races[stages[-2]].is_in_reach(base[-2], g),
         )
-        finals = _each_minimum([*finals, *far])
+        finals = each_minimum([*finals, *far])
         finals = [*finals, *_alternatives(race, finals[:LEADING])]
         if not laws:
             in_reach = partial(race.is_in_reach, base[-1])
             laws = fitted_laws(races, base[-1], tell, is_wanted=in_reach)
-        finals = _each_minimum([f for f in (*finals, *laws) if f.last.key not in without])
-    going_on = _hopeful(finals)
+        finals = each_minimum([f for f in (*finals, *laws) if f.last.key not in without])
+    going_on = hopeful(finals)
     behind = [f for f in finals if all(f is not other for other in going_on)]
-    ended: list[Fit] = []
-    for fit in going_on:
-        tell(f"fitted on the finest lines: {fit.hypothesis.name}")
-        ended.append(race.to_its_end(fit))
+    ended = one_each([_ended(race, fit, tell) for fit in going_on])
+    for best in ended[:1]:
+        anew = race.to_its_end(race.fit(present, start=best.values))
+        if anew.evidence < base[-1].evidence - BESIDE and not race.is_hopeless(anew):
+            tell("again: from where the best led, the model comes beside it without it")
+            return search(fitted=anew, afresh=False)
     return Rivals(
         present=base[-1],
-        rivals=tuple(_one_each(ended)),
+        rivals=tuple(ended),
         let_go=tuple(behind[: _kept(len(stages) - 1)]),
         others=tuple(others),
     )
+
+
+def _ended(race: Race, fit: Fit, tell: Progress) -> Fit:
+    tell(f"fitted on the finest lines: {fit.hypothesis.name}")
+    return race.to_its_end(fit)
 
 
 def annealed(
@@ -222,18 +231,18 @@ def _far(
     looked = all_candidates(widest, base[0], begin, from_start=True, without=without)
     tell(f"{len(looked)} candidates fitted on wide lines")
     race = races[widest]
-    fits = _each_minimum(
+    fits = each_minimum(
         [_begun(race, base[0], c, begin, own_too=True) for c in _chosen(looked, _KEPT)]
     )
     for number, stage in enumerate(sharper, 1):
         fits = [*fits, *_alternatives(race, fits[:LEADING])]
-        fits = _hopeful([f for f in fits if f.last.key not in without])[: _kept(number)]
+        fits = hopeful([f for f in fits if f.last.key not in without])[: _kept(number)]
         if not fits:
             return []
         tell(f"{len(fits)} candidates fitted on sharper lines, first: {fits[0].hypothesis.name}")
         race = races[stage]
         leading, *others = fits
-        fits = _hopeful([race.to_its_end(leading), *(race.further(f) for f in others)])
+        fits = hopeful([race.to_its_end(leading), *(race.further(f) for f in others)])
     return fits
 
 
@@ -258,7 +267,7 @@ def _from_beginnings(
             if gain > LOOK and is_begun(instance, gain)
         ]
         near += [races[middle].to_its_end(races[middle].fit(richer, start=b)) for b in begun]
-    return [races[sharp].fit(fit.hypothesis, resumed=fit) for fit in _hopeful(near)]
+    return [races[sharp].fit(fit.hypothesis, resumed=fit) for fit in hopeful(near)]
 
 
 def _only_effects(present: Hypothesis, values: Mapping[str, float]) -> dict[str, float]:
@@ -363,38 +372,3 @@ def _alternatives(race: Race, fits: Sequence[Fit]) -> list[Fit]:
                 richer = replace(rest, instances=(*others, instance))
                 found.append(race.fit(richer, start=begin))
     return found
-
-
-def _one_each(fits: Sequence[Fit]) -> list[Fit]:
-    """By evidence, the best of each effect and place."""
-    kept: dict[tuple[tuple[str, str], ...], Fit] = {}
-    for fit in sorted(fits, key=lambda f: f.evidence):
-        kept.setdefault(_keys(fit), fit)
-    return list(kept.values())
-
-
-def _each_minimum(fits: Sequence[Fit]) -> list[Fit]:
-    """By evidence, the best of each effect and place, and what may still end in a better minimum.
-
-    Of an effect that has several, after some steps the best may be on its way to the worse one.
-    """
-    kept: list[Fit] = []
-    best: dict[tuple[tuple[str, str], ...], float] = {}
-    for fit in sorted(fits, key=lambda f: f.evidence):
-        reached = fit.evidence
-        if fit.last.effect.separate_minima:
-            reached -= PATIENCE * fit.promised
-        if reached < best.setdefault(_keys(fit), float("inf")):
-            kept.append(fit)
-            best[_keys(fit)] = min(best[_keys(fit)], fit.evidence)
-    return kept
-
-
-def _keys(fit: Fit) -> tuple[tuple[str, str], ...]:
-    return tuple(instance.key for instance in fit.hypothesis.instances)
-
-
-def _hopeful(fits: Sequence[Fit]) -> list[Fit]:
-    """One of each effect, place and minimum, by evidence, that may still come beside the best."""
-    each = _each_minimum(fits)
-    return [f for f in each if f.evidence - PATIENCE * f.promised < each[0].evidence + BESIDE]

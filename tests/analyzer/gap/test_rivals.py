@@ -111,6 +111,36 @@ def test_on_wide_lines_what_has_a_beginning_of_its_own_is_begun_beside_no_error(
     assert [{} for values in begun if not values] == [{}] * anew
 
 
+@pytest.mark.parametrize(("from_there", "present"), [(12.0, 12.0), (500.0, 1000.0)])
+def test_what_a_stuck_fit_leaves_is_no_effect_where_the_model_comes_as_near_without_it(
+    from_there, present, monkeypatch
+):
+    """With a body a fit finds a better minimum of everything else: of 10 against 1000."""
+    mass = Parameter(name="mass", unit="kg", mean=0.0, std=1.0, low=0.0)
+    body = Instance(effect=hit_direction.WORDS, place="m", parameters=(mass,), size="mass")
+
+    def fitted(_stage, hypothesis, *, start=None, resumed=None, **_):
+        if hypothesis is not NAMED:
+            made = made_fit(hypothesis, cost=10.0, space=Space([mass]), u=[1.0])
+        elif resumed is not None:
+            made = resumed
+        else:
+            cost = from_there if "mass" in start else 1000.0
+            made = made_fit(hypothesis, cost=cost, space=Space([]), u=[])
+        return replace(made, converged=True)
+
+    for module in (rivals, race):
+        monkeypatch.setattr(module, "fit_hypothesis", fitted)
+    monkeypatch.setattr(rivals, "best_starting_point", lambda _s, _h, points: points[0])
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+    looked = [Candidate(instance=body, gain=100.0)]
+    monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
+    found = find_rivals(STAGES, NAMED, lambda *_: False, start={})
+    assert found.present.cost == present
+    assert [rival.cost for rival in found.rivals] == [10.0]
+
+
 def on_the_way(hypothesis, to, cost, slope):
     """A fit that some steps brought to a cost, on the way to one of two minima."""
     space = Space([Parameter(name="angle", unit="rad", mean=0.0, std=1.0)])
