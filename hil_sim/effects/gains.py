@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["HIDES", "OF_FILE", "ChannelGain", "HammerGain"]
 
+# Logarithms of the factors by which a sensitivity is off.
 CHANNEL_GAIN = 0.25
 HAMMER_GAIN = 0.45
 

@@ -180,7 +180,7 @@ def find_rivals(
     for best in ended[:1]:
         anew = race.to_its_end(race.fit(present, start=best.values))
         if anew.evidence < base[-1].evidence - BESIDE and not race.is_hopeless(anew):
-            tell("again: from where the best led, the model comes beside it without it")
+            tell("again: begun where the best rival ended, the model needs none")
             return search(fitted=anew, afresh=False)
     return Rivals(
         present=base[-1],

@@ -28,6 +28,15 @@ def fit(cost):
 STUCK, FRESH = fit(100.0), fit(10.0)
 
 
+def every_fit_is(fitted, monkeypatch):
+    """Fits are made by `fitted`, from the first of their beginnings; nothing else is looked at."""
+    for module in (rivals, race):
+        monkeypatch.setattr(module, "fit_hypothesis", fitted)
+    monkeypatch.setattr(rivals, "best_starting_point", lambda _s, _h, points: points[0])
+    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
+    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+
+
 @pytest.fixture
 def fits_from_the_start_end_lower(monkeypatch):
     """Of the model with what was named; no other effect has anything to promise."""
@@ -97,11 +106,7 @@ def test_on_wide_lines_what_has_a_beginning_of_its_own_is_begun_beside_no_error(
         made = made_fit(hypothesis, cost=0.0, space=space, u=[4.0])
         return replace(made, converged=True)
 
-    for module in (rivals, race):
-        monkeypatch.setattr(module, "fit_hypothesis", fitted)
-    monkeypatch.setattr(rivals, "best_starting_point", lambda _s, _h, points: points[0])
-    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
-    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+    every_fit_is(fitted, monkeypatch)
     monkeypatch.setattr(rivals, "fitted_laws", lambda *_, **__: [])
     looked = [Candidate(instance=body, gain=100.0)]
     monkeypatch.setattr(
@@ -129,11 +134,7 @@ def test_what_a_stuck_fit_leaves_is_no_effect_where_the_model_comes_as_near_with
             made = made_fit(hypothesis, cost=cost, space=Space([]), u=[])
         return replace(made, converged=True)
 
-    for module in (rivals, race):
-        monkeypatch.setattr(module, "fit_hypothesis", fitted)
-    monkeypatch.setattr(rivals, "best_starting_point", lambda _s, _h, points: points[0])
-    monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
-    monkeypatch.setattr(rivals, "others_beside", lambda _: [])
+    every_fit_is(fitted, monkeypatch)
     looked = [Candidate(instance=body, gain=100.0)]
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
     found = find_rivals(STAGES, NAMED, lambda *_: False, start={})
