@@ -71,6 +71,10 @@ class TracedNumber(NDArrayOperatorsMixin):
         """Whether it is not zero."""
         return bool(self.let_go())
 
+    def __getitem__(self, key: Any) -> Any:
+        """Return a part of an array that was computed with it."""
+        return self.let_go()[key]
+
     def __hash__(self) -> int:
         """As a key."""
         return hash(self.let_go())

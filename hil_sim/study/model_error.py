@@ -22,13 +22,13 @@ Array = npt.NDArray[np.float64]
 Tables = dict[str, Any]
 
 # Ranges are drawn by their logarithm. Compliances are parts of the arm's own joint compliance.
-WEAK_BEARING = (0.001, 0.02)  # across each joint's axis, of its own drive's
-NOT_RIGID = (0.0005, 0.01)  # about the axis of a joint believed rigid
-SOFT_FLOOR = (0.0003, 0.004)  # rocking of the base
+WEAK_BEARING = (0.0008, 0.0235)  # across each joint's axis, of its own drive's
+NOT_RIGID = (0.0004, 0.019)  # about the axis of a joint believed rigid
+SOFT_FLOOR = (0.0002, 0.0085)  # rocking of the base
 FLOOR_SHIFT_M2 = (0.002, 0.05)  # m / N of shifting per rad / N m of rocking
 BASE_MASS = (0.05, 0.6)  # of the arm's
-INTERFACE_LOSS_S = (5e-6, 1.5e-4)  # damping / stiffness: a loss of 0.3 to 9 % at 100 Hz
-HYSTERETIC_LOSS = (0.003, 0.03)  # of each joint
+INTERFACE_LOSS_S = (4e-6, 6e-4)  # damping / stiffness: a loss of 0.25 to 38 % at 100 Hz
+HYSTERETIC_LOSS = (0.0025, 0.045)  # of each joint
 HAND_M = (0.0008, 0.005)  # scatter of where a hit lands
 OVERSAMPLING = 8  # a force linear between grid points is 0.02 % short at 100 Hz
 STIFFNESS_STD, DAMPING_STD = 0.15, 0.25  # of the true springs' logarithm, against the arm file

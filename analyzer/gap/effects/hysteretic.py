@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.priors import JOINT_LOSS_LIMIT
@@ -31,12 +33,19 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """
     believed = {p.name: p for p in ordinary.parameters() if p.name.startswith("ln c ")}
     gone = {name: replace(p, std=_ANY_LN_C) for name, p in believed.items()}
+
+    def build(assembly: Assembly, values: Mapping[str, float]) -> None:
+        """Let no loss grow with frequency."""
+        del values
+        assembly.loss_power = 0.0
+
     names = [f"loss {ordinary.arm.joints[i].name}" for i in ordinary.elastic]
     wide = Parameter(name="", unit="", mean=0.0, std=_STD, low=0.0, high=_MOST, start=_START)
     return (
         Instance(
             effect=WORDS,
             place="",
+            builder=build,
             relaxes={**{name: replace(wide, name=name) for name in names}, **gone},
             size=names[0],
             sizes=tuple(names),

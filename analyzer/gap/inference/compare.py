@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power, lost_by_power_slope_of_line
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.records import Disagreement, ModeMatch, PostureGap
@@ -130,20 +130,31 @@ def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
     shapes[free] = vectors[:m, keep]
     poles = values[keep]
     if loss.any():
-        poles = _with_hysteresis(poles, vectors[:m, keep], M, C, K - 1j * loss, loss)
+        drives = system.loss[np.ix_(free, free)]
+        still = (M, C, K - 1j * loss, drives, loss - drives)
+        v = vectors[:m, keep]
+        modal = [np.einsum("ij,ik,kj->j", v, of, v) for of in still]
+        poles = _with_losses(poles, *modal, power=system.loss_power)
     order = np.argsort(np.abs(poles))
     return poles[order], shapes[:, order]
 
 
-def _with_hysteresis(
-    poles: ComplexArray, v: ComplexArray, M: Array, C: ComplexArray, K: ComplexArray, loss: Array
+def _with_losses(
+    poles: ComplexArray,
+    m: ComplexArray,
+    c: ComplexArray,
+    k: ComplexArray,
+    drives: ComplexArray,
+    others: ComplexArray,
+    *,
+    power: Array,
 ) -> ComplexArray:
-    """Poles where the stored part of a loss factor is the mode's own: Newton on v' Z(s) v."""
-    m, c, k, h = (np.einsum("ij,ik,kj->j", v, matrix, v) for matrix in (M, C, K, loss))
+    """Poles where the stored part of losses is the mode's own: Newton on v' Z(s) v."""
     s = poles
     for _ in range(_NEWTON_STEPS):
-        value = s**2 * m + s * c + k + hysteresis(s) * h
-        s = s - value / (2.0 * s * m + c + (2.0 / np.pi) * h / s)
+        value = s**2 * m + s * c + k + lost_by_power(s, power) * drives + hysteresis(s) * others
+        slope = 2.0 * s * m + c + lost_by_power_slope_of_line(s, power) * drives
+        s = s - value / (slope + (2.0 / np.pi) * others / s)
     return np.asarray(s)
 
 

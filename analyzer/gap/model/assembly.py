@@ -92,7 +92,8 @@ class System:
     mass: Array  # (n, n) without the accelerometer
     damping: Array  # (n, n)
     stiffness: Array  # (n, n)
-    loss: Array  # (n, n): K + L(s) loss, `response.hysteresis`
+    loss: Array  # (n, n): K + h(s) loss, `hysteresis.lost_by_power`
+    loss_power: Array  # () of frequency, by which that loss grows: 0 to 1
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
     compliance_loss_factor: Array  # (n,) beside it, the same at all frequencies
@@ -208,6 +209,7 @@ class Assembly:
     hit_turn: Array = field(default_factory=lambda: np.eye(3))  # of every force, base axes
     sensor_mass_kg: float = 0.0  # beside what the file gives
     sensor_mass_of: list[str] = field(default_factory=list)  # parameters that are added to it
+    loss_power: float = 0.0  # by which losses of springs grow
     log_scale: float = 0.0
     delay_s: float = 0.0
     decay_rad_s: float = 0.0

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import lost_by_power_slope_of_line
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.line_arrays import of_hits, real_times
 from armodal.analyzer.gap.model.response import Response
@@ -96,7 +97,8 @@ def by_decay(found: Response) -> ComplexArray:
     y -= system.delay_s[:, None, None, None] * found.values
     dZx = 2.0 * by_line * real_times(system.mass[:, None], x)
     dZx += real_times(system.damping[:, None], x)
-    dZx += (2.0 / np.pi) / by_line * real_times(system.loss[:, None], x)
+    lost = lost_by_power_slope_of_line(s, system.loss_power).astype(s.dtype)
+    dZx += lost[:, None, None] * real_times(system.loss[:, None], x)
     moved = real_times(system.moved, x)
     moved *= 2.0 * system.sensor_mass_kg[:, None, None, None] * by_line
     dZx += real_times(system.moved.swapaxes(-1, -2), moved)

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power_slope
 from armodal.analyzer.gap.model.assembly import BASE, Assembly, System
 from armodal.analyzer.gap.model.change import Change, by_change, by_decay
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.line_arrays import as_single, real_times
 from armodal.analyzer.gap.model.motion_derivatives import by_motion, by_slopes
-from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.ordinary import LOSS_POWER, Ordinary
 from armodal.analyzer.gap.model.response import Response
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.systems import (
@@ -73,9 +73,10 @@ class Solved:
         yield from self.by_motions()
 
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Stiffness with its hysteretic part, damping, and loss."""
+        """Stiffness with its hysteretic part, damping, loss, and how that grows."""
         s = self.found.s_rad_s
-        turn = hysteresis(s)[:, None, None, :]
+        turn = self.found.lost[:, None, None, :]
+        by_loss = np.zeros_like(self.found.true_axes)
         by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:
             name = self.ordinary.arm.joints[i].name
@@ -90,6 +91,10 @@ class Solved:
             yield f"ln k {name}", by_spring[name][0]
             yield f"ln c {name}", by_spring[name][1]
             yield f"loss {name}", turn * by_stiffness
+            by_loss += self.values[f"loss {name}"] * by_stiffness
+        if all(own.loss_power == self.values[LOSS_POWER] for own in self.assemblies):
+            grows = lost_by_power_slope(s, self.found.system.loss_power).astype(s.dtype)
+            yield LOSS_POWER, grows[:, None, None, :] * by_loss
         for parameter, (name, _, _) in self.assemblies[0].log_slopes.items():
             slopes = np.array([own.log_slopes[parameter][1:] for own in self.assemblies])
             by_k, by_c = as_single(slopes).T[:, :, None, None, None]

@@ -57,6 +57,7 @@ class JointPosture:
 
     swings: Sequence[Swings]
     geometry: PostureGeometry
+    loss_power: float  # of the drives
     values: Mapping[str, float]  # of the model
 
     def at(self, values: Mapping[str, float], joint: str) -> JointPosture:
@@ -67,7 +68,7 @@ class JointPosture:
         )
         (swings,) = self.swings
         loss = self.values[f"loss {joint}"]
-        there = swings.stiffer(new[0] - old[0], new[1] - old[1], loss)
+        there = swings.stiffer(new[0] - old[0], new[1] - old[1], loss, self.loss_power)
         return replace(self, swings=(there,), values=values)
 
 
@@ -202,7 +203,10 @@ def joint_postures(
         system = systems([assembly])
         rows = [joint_row(assembly, joint) for joint in joints]
         found[own.name] = JointPosture(
-            swings=turns_of(system, rows), geometry=assembly.geometry, values=values
+            swings=turns_of(system, rows),
+            geometry=assembly.geometry,
+            loss_power=assembly.loss_power,
+            values=values,
         )
     return found
 

@@ -29,6 +29,8 @@ from armodal.analyzer.gap.model.priors import (
     JOINT_LOSS_STD,
     LEAST_LN_C_STD,
     LEAST_LN_K_STD,
+    LOSS_POWER_MEAN,
+    LOSS_POWER_STD,
     PLACE_STD_M,
 )
 from armodal.analyzer.gap.model.scales import compliance, doubt, scale
@@ -36,7 +38,9 @@ from armodal.analyzer.gap.model.soft_parts import add_soft_parts, base_lever_m, 
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arm.records import Arm, Estimate
 
-__all__ = ["Ordinary"]
+__all__ = ["LOSS_POWER", "Ordinary"]
+
+LOSS_POWER = "power of losses"  # of all drives: an arm's are alike
 
 Array = npt.NDArray[np.float64]
 
@@ -182,6 +186,7 @@ class Ordinary:
                 k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")
                 at = assembly.add_spring(joint.name, column, k, c)
                 assembly.add_term("loss", at, at, k * values[f"loss {joint.name}"])
+        assembly.loss_power = values[LOSS_POWER]
         add_soft_parts(assembly, superset, values)
         assembly.log_scale = -values["ln hammer"]
         assembly.delay_s = values["delay"]
@@ -237,6 +242,16 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
         )
         for i in ordinary.elastic
     ]
+    found.append(
+        Parameter(
+            name=LOSS_POWER,
+            unit="",
+            mean=LOSS_POWER_MEAN,
+            std=LOSS_POWER_STD,
+            low=0.0,
+            high=1.0,
+        )
+    )
     found += soft_part_parameters(ordinary.superset)
     for joint in arm.joints:
         link = joint.link.name

@@ -28,6 +28,8 @@ __all__ = [
     "JOINT_LOSS_MEAN",
     "JOINT_LOSS_STD",
     "LEAN_STD",
+    "LOSS_POWER_MEAN",
+    "LOSS_POWER_STD",
     "PLACE_STD_M",
     "TURN_MOST",
     "TURN_STD",
@@ -46,6 +48,10 @@ INTERFACE_FACTOR_MEAN, INTERFACE_FACTOR_STD = 0.032, 0.035
 # Loss factor of a joint's drive beside its dashpot. The same range, its lower half: what grows with
 # frequency is the dashpot's.
 JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07
+
+# By which power of frequency that loss grows: an even draw between none, as of rubber, and the
+# first, a dashpot's. A loss that grows stiffens the drive, by more than one that does not.
+LOSS_POWER_MEAN, LOSS_POWER_STD = 0.5, 1.0 / math.sqrt(12.0)
 
 # Across a joint's axis, as parts of its drive's compliance; more is an effect. No source: assumed.
 # A sound bearing of another gear may well give way more, and would then be named.

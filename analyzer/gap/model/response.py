@@ -11,7 +11,8 @@ acceleration, tilt of gravity included, and for any parameter
 
     d(o x) = do x - (o E H) dZ x + (o E H) db ,        Z = H^-1 + m s^2 U U' .
 
-A loss factor eta is causal, constant at every frequency, and leaves k as it is at a reference:
+A loss factor eta is causal and leaves k as it is at a reference. That of an interface is constant,
+that of a drive grows with a power of frequency (`hysteresis.lost_by_power`), which h = L has at 0:
 
     k (1 + eta L(s)),    L(s) = (2 / pi) ln(s / w_r),    L(i w) = i + (2 / pi) ln(w / w_r) .
 
@@ -33,7 +34,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.arm.hysteresis import lost_by_power
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses, resists
 from armodal.analyzer.gap.model.geometry import skew
@@ -173,9 +174,15 @@ class Response:
     def weight(self, kind: str) -> ComplexArray:
         """Return (P, L) what "mass", "damping", "stiffness" or "loss" is multiplied by in Z."""
         s = self.s_rad_s
-        return {"mass": s**2, "damping": s, "stiffness": np.ones_like(s), "loss": hysteresis(s)}[
-            kind
-        ]
+        if kind == "loss":
+            return self.lost
+        return {"mass": s**2, "damping": s, "stiffness": np.ones_like(s)}[kind]
+
+    @cached_property
+    def lost(self) -> ComplexArray:
+        """(P, L) `hysteresis.lost_by_power` of the drives on these lines."""
+        found = lost_by_power(self.s_rad_s, self.system.loss_power)
+        return np.asarray(found.astype(self.s_rad_s.dtype, copy=False))
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by the compliances of k of the N coordinates.

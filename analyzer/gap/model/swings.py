@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.hysteresis import hysteresis
+from armodal.analyzer.arm.hysteresis import lost_by_power
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
@@ -60,13 +60,14 @@ class Swings:
         """(n_steps,) rad/(N m s)."""
         return _in_time(self.by_torque)
 
-    def stiffer(self, stiffness: float, damping: float, loss: float) -> Swings:
+    def stiffer(self, stiffness: float, damping: float, loss: float, power: float) -> Swings:
         """Return the same with so much more in N m/rad and N m s/rad on the joint's spring.
 
-        `loss` is the factor by which its stiffness loses (`response.hysteresis`).
+        `loss` is the factor by which its stiffness loses, growing with that power of frequency
+        (`hysteresis.lost_by_power`).
         """
         s = _lines()
-        more = stiffness * (1.0 + loss * hysteresis(s)) + damping * s
+        more = stiffness * (1.0 + loss * lost_by_power(s, np.array(power))) + damping * s
         left = 1.0 / (1.0 + more * self.by_torque)
         return Swings(by_force=self.by_force * left, by_torque=self.by_torque * left)
 

@@ -115,6 +115,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
     unmixed = np.broadcast_to(np.eye(3), (where.shape[1], 3, 3))
     return System(
         **matrices,
+        loss_power=np.array([own.loss_power for own in assemblies]),
         compliance=np.array([own.compliance for own in assemblies]),
         compliance_loss_s=np.array([own.compliance_loss_s for own in assemblies]),
         compliance_loss_factor=np.array([own.compliance_loss_factor for own in assemblies]),

@@ -14,12 +14,12 @@ import numpy as np
 from armodal.hil_sim.makers.arm_table import ArmTable, Array, Inertial
 from armodal.hil_sim.makers.belief import Believed
 from armodal.hil_sim.makers.frame.beams import Section, flattened, tube
+from armodal.hil_sim.makers.frame.drive_loss import LOSS_AT_HZ, DriveLoss
 from armodal.hil_sim.makers.frame.parts import Drive, Parts
-from armodal.hil_sim.makers.frame.structure import Complex, Law
 from armodal.hil_sim.makers.shell_points import shell_points
 from armodal.hil_sim.streams import stream
 
-__all__ = ["Everyday", "Gear", "everyday", "power_law", "redrawn", "within"]
+__all__ = ["Everyday", "Gear", "everyday", "redrawn", "within"]
 
 Streams = Callable[..., np.random.Generator]
 Span = tuple[float, float]
@@ -39,20 +39,21 @@ DRIVE_OFF = 0.4  # of ln of the true stiffness from the table's, at most
 SHEET_OFF = 0.15  # of ln of the believed one
 DOUBT: Span = (0.3, 0.5)  # relative std of the believed stiffness
 DRIVE_LOSS: Span = (0.025, 0.09)  # loss factor at `LOSS_AT_HZ`
-LOSS_AT_HZ = 15.0
-LOSS_POWER: Span = (0.94, 1.0)  # of frequency; 1 is a viscous damper
-TILT: Span = (0.0015, 0.015)  # compliance of a bearing over its drive's
+RELAXING: Span = (0.0, 0.4)  # part of that loss that Maxwell elements have, two a drive
+RELAXING_LN_HZ: Span = (np.log(3.0), np.log(80.0))
+TILT: Span = (0.001, 0.016)  # compliance of a bearing over its drive's
 TILT_ASKEW: Span = (0.65, 1.5)  # of one tilt's stiffness over the other's
 LEVER_M: Span = (0.04, 0.12)  # root of tilt over shift stiffness, of a bearing
-BEARING_LOSS: Span = (0.01, 0.05)  # loss factor
+BEARING_LOSS: Span = (0.003, 0.11)  # loss factor
 LOCKED: Span = (150.0, 500.0)  # stiffness of a rigid wrist's joint over its drive's
-PLATE: Span = (0.0006, 0.005)  # rocking compliance of the base's footing over the first drive's
+PLATE: Span = (0.0003, 0.006)  # rocking compliance of the base's footing over the first drive's
 PLATE_LEVER: Span = (0.4, 1.2)  # root of rocking over shift stiffness, over the base's diameter
-PLATE_LOSS: Span = (0.02, 0.06)
+PLATE_LOSS: Span = (0.004, 0.12)
 MODULUS: Span = (0.85, 1.1)  # of the shells, over the table's
-BEND: Span = (0.0004, 0.004)  # compliance of a whole link over the softest drive's; ribs see to it
+BEND: Span = (0.0002, 0.007)  # compliance of a whole link, below; ribs see to it
+BASE_BEND: Span = (0.0002, 0.0032)  # of the base's casting over the first drive's
 HIGH: Span = (-0.8, 0.8)  # ln of how high a shell is over how wide: 100 mm by 45 to 220
-SHELL_LOSS: Span = (0.002, 0.01)
+SHELL_LOSS: Span = (0.001, 0.04)
 POINT_OFF_M: Span = (0.001, 0.003)
 BLOW_OFF_M: Span = (0.001, 0.0035)
 NOISE_M_S2: Span = (0.001, 0.006)
@@ -92,27 +93,12 @@ class Everyday:
     tolerances: dict[str, float]
     stiffness: dict[str, Believed]
     damping: dict[str, Believed]
-    loss: dict[str, tuple[float, float]]  # of drives: loss factor at `LOSS_AT_HZ`, power
+    loss: dict[str, DriveLoss]
 
 
 def within(rng: np.random.Generator, span: Span) -> float:
     """Draw evenly."""
     return float(rng.uniform(*span))
-
-
-def power_law(stiffness: float, loss_factor: float, power: float) -> Law:
-    """Return the law of a spring-pot beside a spring: a damper where the power is one.
-
-    Bagley and Torvik, AIAA J. 21 (1983) 741. The loss factor is at `LOSS_AT_HZ`.
-    """
-    omega = 2.0 * np.pi * LOSS_AT_HZ
-    scale = stiffness * loss_factor / np.sin(0.5 * np.pi * power)
-
-    def law(s: Complex) -> Complex:
-        result: Complex = scale * (s / omega) ** power
-        return result
-
-    return law
 
 
 def everyday(table: ArmTable, wrist: str, seed: int) -> Everyday:
@@ -125,9 +111,7 @@ def everyday(table: ArmTable, wrist: str, seed: int) -> Everyday:
         row.joint for row in table.links if wrist == "elastic" or row.joint not in table.wrist
     )
     drives, loss = _drives(table, elastic, streams)
-    sections = _sections(
-        table, max(1.0 / drives[joint].stiffness for joint in elastic[:3]), streams
-    )
+    sections = _sections(table, drives, elastic, streams)
     rock = drives[elastic[0]].stiffness / within(streams("plate"), PLATE)
     lever = table.base_shell.diameter_m * within(streams("plate lever"), PLATE_LEVER)
     offset = np.deg2rad(tolerances["encoder_offset_deg"])
@@ -199,7 +183,7 @@ def _erring(body: Inertial, tolerances: dict[str, float], streams: Streams) -> I
 
 def _drives(
     table: ArmTable, elastic: tuple[str, ...], streams: Streams
-) -> tuple[dict[str, Drive], dict[str, tuple[float, float]]]:
+) -> tuple[dict[str, Drive], dict[str, DriveLoss]]:
     drives, losses = {}, {}
     for row in table.links:
         own = partial(streams, row.joint)
@@ -207,28 +191,50 @@ def _drives(
         off = np.exp(within(own("stiffness"), (-DRIVE_OFF, DRIVE_OFF)))
         drive = row.stiffness_n_m_per_rad * float(off)
         tilt = drive / within(own("tilt"), TILT)
-        loss, power = within(own("loss"), DRIVE_LOSS), within(own("power"), LOSS_POWER)
+        loss = _loss(own)
         stiffness = drive if gives else drive * within(own("locked"), LOCKED)
         drives[row.joint] = Drive(
             stiffness=stiffness,
-            law=power_law(stiffness, loss, power),
+            law=loss.law(stiffness),
             tilt=(tilt, tilt * within(own("askew"), TILT_ASKEW)),
             shift_n_per_m=tilt / within(own("lever"), LEVER_M) ** 2,
             tilt_loss=within(own("bearing loss"), BEARING_LOSS),
         )
-        losses[row.joint] = (loss, power)
+        losses[row.joint] = loss
     return drives, losses
 
 
-def _sections(table: ArmTable, softest: float, streams: Streams) -> dict[str, Section]:
-    """Shells of the table's tubes, ribbed where a plain tube would bend more than drawn."""
+def _loss(streams: Streams) -> DriveLoss:
+    relaxing, first = within(streams("relaxing"), RELAXING), within(streams("first"), (0.0, 1.0))
+    hz = [float(np.exp(within(streams("relaxes", i), RELAXING_LN_HZ))) for i in range(2)]
+    parts = (relaxing * first, relaxing * (1.0 - first))
+    return DriveLoss(
+        factor=within(streams("loss"), DRIVE_LOSS), relaxing=tuple(zip(parts, hz, strict=True))
+    )
+
+
+def _sections(
+    table: ArmTable, drives: dict[str, Drive], elastic: tuple[str, ...], streams: Streams
+) -> dict[str, Section]:
+    """Shells of the table's tubes, ribbed where a plain tube would bend more than drawn.
+
+    That is a part of the drive's compliance, or of the softest of the first three where less.
+    """
     shells = {"base": table.base_shell} | {row.link: row.shell for row in table.links}
     modulus = table.youngs_modulus_pa * within(streams("modulus"), MODULUS)
+    # A drive of the wrist may be ten times softer: nobody builds a forearm by that.
+    softest = max(1.0 / drives[joint].stiffness for joint in elastic[:3])
+    gives = {row.link: softest for row in table.links} | {
+        row.link: min(1.0 / drives[row.joint].stiffness, softest)
+        for row in table.links
+        if row.joint in elastic
+    }
+    gives["base"] = gives[table.links[0].link]
     sections = {}
     for name, shell in shells.items():
         plain = tube(shell.diameter_m, shell.wall_m, modulus, table.density_kg_m3)
         length = float(np.sum(np.linalg.norm(np.diff(np.array(shell.path), axis=0), axis=1)))
-        bend = within(streams("bend", name), BEND) * softest
+        bend = within(streams("bend", name), BASE_BEND if name == "base" else BEND) * gives[name]
         ribbed = length / (plain.mean_moment_m4 * bend)
         high = np.exp(within(streams("high", name), HIGH))
         x, y, z = streams("width", name).standard_normal(3).tolist()

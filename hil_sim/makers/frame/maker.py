@@ -13,7 +13,8 @@ from armodal.hil_sim.makers.arm_table import ArmTable
 from armodal.hil_sim.makers.belief import believed_arm
 from armodal.hil_sim.makers.case import CaseSpec
 from armodal.hil_sim.makers.frame import effects
-from armodal.hil_sim.makers.frame.everyday import LOSS_AT_HZ, Everyday, Gear, everyday
+from armodal.hil_sim.makers.frame.drive_loss import LOSS_AT_HZ
+from armodal.hil_sim.makers.frame.everyday import Everyday, Gear, everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, HidesInFrame, Kit
 from armodal.hil_sim.makers.frame.parts import Parts
 from armodal.hil_sim.makers.frame.shop import Shop
@@ -148,12 +149,12 @@ def _sized(
 def _truth(drawn: Everyday, spec: CaseSpec, hidden: list[Hidden]) -> dict[str, Any]:
     joints, told = {}, 2.0j * np.pi * np.array([STIFFNESS_AT_HZ])
     for joint in drawn.elastic:
-        drive, (loss, power) = drawn.parts.drives[joint], drawn.loss[joint]
+        drive, loss = drawn.parts.drives[joint], drawn.loss[joint]
         joints[joint] = {
             "stiffness_n_m_per_rad": drive.stiffness + float(drive.law(told)[0].real),
-            "damping_n_m_s_per_rad": loss * drive.stiffness / (2.0 * np.pi * LOSS_AT_HZ),
-            "loss_factor": loss,
-            "loss_power": power,
+            "damping_n_m_s_per_rad": loss.factor * drive.stiffness / (2.0 * np.pi * LOSS_AT_HZ),
+            "loss_factor": loss.factor,
+            "relaxing": loss.relaxing,
         }
     return {
         "effects": hidden,

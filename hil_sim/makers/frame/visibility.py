@@ -20,7 +20,6 @@ from armodal.hil_sim.makers.frame.everyday import (
     TILT,
     Everyday,
     Gear,
-    power_law,
     redrawn,
     within,
 )
@@ -135,12 +134,11 @@ class Witness:
         """Change of the FRFs with ln of each drive's stiffness and loss."""
         slopes = []
         for joint in self.drawn.elastic:
-            loss, power = self.drawn.loss[joint]
-            drive = self.drawn.parts.drives[joint]
+            drive, loss = self.drawn.parts.drives[joint], self.drawn.loss[joint]
             for stiffer, looser in ((np.exp(STEP), 1.0), (1.0, np.exp(STEP))):
                 parts = self.drawn.parts.copy()
                 parts.drives[joint].stiffness = drive.stiffness * stiffer
-                parts.drives[joint].law = power_law(drive.stiffness, loss * looser, power)
+                parts.drives[joint].law = loss.law(drive.stiffness, looser)
                 slopes.append((self._frfs(parts, self.drawn.gear) - self._plain) / STEP)
         return slopes
 
@@ -191,9 +189,8 @@ class Witness:
     def _more(self, joint: str, ln_k: float, ln_loss: float) -> Law:
         """What a drive has more than the everyday one, stiffness and loss off by factors."""
         stiffness = self.drawn.parts.drives[joint].stiffness
-        loss, power = self.drawn.loss[joint]
-        was = power_law(stiffness, loss, power)
-        now = power_law(stiffness, loss * float(np.exp(ln_loss)), power)
+        loss = self.drawn.loss[joint]
+        was, now = loss.law(stiffness), loss.law(stiffness, float(np.exp(ln_loss)))
         return lambda s: stiffness * np.expm1(ln_k) + now(s) - was(s)
 
     def _felt(self, both: list[tuple[Standing, Modal]], gear: Gear, width: float) -> Complex:

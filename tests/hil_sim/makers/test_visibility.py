@@ -8,7 +8,7 @@ import pytest
 from armodal.hil_sim.makers.arms import arm_table
 from armodal.hil_sim.makers.case import CaseSpec
 from armodal.hil_sim.makers.frame.effects import wrong_point
-from armodal.hil_sim.makers.frame.everyday import everyday, power_law
+from armodal.hil_sim.makers.frame.everyday import everyday
 from armodal.hil_sim.makers.frame.maker import made
 from armodal.hil_sim.makers.frame.visibility import EVERY, SEEN, Witness
 
@@ -29,10 +29,9 @@ def test_another_drive_is_seen_by_slopes_and_not_where_drives_are_fitted(witness
     drawn = witness.drawn
     parts = drawn.parts.copy()
     for joint, softer in zip(drawn.elastic[:3], (0.7, 1.0, 1.3), strict=True):
-        loss, power = drawn.loss[joint]
         stiffness = softer * parts.drives[joint].stiffness
         parts.drives[joint].stiffness = stiffness
-        parts.drives[joint].law = power_law(stiffness, loss, power)
+        parts.drives[joint].law = drawn.loss[joint].law(stiffness)
     by_slopes, fitted = witness.sees(parts, drawn.gear), witness.left_by_drives(parts, drawn.gear)
     assert by_slopes > 1.0  # more than a faint effect
     assert fitted < 0.1  # what the modes that are left out make of it

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from armodal.hil_sim.makers.frame.everyday import LOSS_AT_HZ, Everyday
+from armodal.hil_sim.makers.frame.drive_loss import LOSS_AT_HZ
+from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.standing import Standing, middle_of
 from armodal.hil_sim.makers.frame.structure import Complex
@@ -18,7 +19,7 @@ def where(drawn: Everyday) -> list[str]:
 def hide(kit: Kit, place: str, size: float) -> Hidden:
     """Let it drag along one drawn line, fixed in the cell."""
     link, joint = place.split("|")[1], kit.drawn.elastic[0]
-    loss, _ = kit.drawn.loss[joint]
+    loss = kit.drawn.loss[joint].factor
     damping = size * loss * kit.parts.drives[joint].stiffness / (2.0 * np.pi * LOSS_AT_HZ)
     at = middle_of(kit.row(link), float(kit.rng.uniform(0.3, 1.0)))
     reach = sum(float(np.linalg.norm(row.xyz_m)) for row in kit.drawn.table.links)

@@ -1,6 +1,7 @@
 """A joint of a wrist believed rigid is not locked: its drive gives way."""
 
-from armodal.hil_sim.makers.frame.everyday import Everyday, power_law
+from armodal.hil_sim.makers.frame.drive_loss import DriveLoss
+from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 
 WRIST = "rigid"  # the only one with such a joint
@@ -17,5 +18,5 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     """Give the drive a stiffness that nobody believes in."""
     drive, loss = kit.parts.drives[place], float(kit.rng.uniform(*LOSS))
     drive.stiffness = 1.0 / (size * kit.softest())
-    drive.law = power_law(drive.stiffness, loss, 1.0)
+    drive.law = DriveLoss(factor=loss).law(drive.stiffness)
     return {"stiffness_n_m_per_rad": drive.stiffness, "loss_factor": loss}
