@@ -6,6 +6,7 @@ from pathlib import Path
 import ablation
 import numpy as np
 import pytest
+from traced_number import TracedNumber
 
 from armodal.analyzer import gap
 from armodal.analyzer.gap.search import race, rivals
@@ -102,3 +103,12 @@ def test_functions_of_search_and_decision_hold_no_number_of_their_own():
             and node.value not in plain
         }
     assert not found
+
+
+def test_an_array_that_a_number_went_into_can_be_taken_apart():
+    noted: set[str] = set()
+    number = TracedNumber(4, {"four 1.3": 5}, noted)
+    grown = np.add(number, np.arange(3.0))
+    assert not noted
+    assert grown[:, None].shape == (3, 1)
+    assert noted == {"four 1.3"}
