@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from armodal.analyzer.gap.records import GapResult, Verdict
 from armodal.analyzer.report.effect_words import (
     certainty,
@@ -30,10 +32,13 @@ _ADVICE = {
 }
 
 
-def gap_section(result: GapResult, *, checks: bool, arm: str = "") -> str:
+def gap_section(
+    result: GapResult, *, checks: bool, arm: str = "", told: Collection[str] = ()
+) -> str:
     """Return the section as HTML; `checks` lists those of the measurement in it.
 
-    `arm` is a drawing with what was found marked, where it stands on no page before.
+    `arm` is a drawing with what was found marked, where it stands on no page before; notes that
+    are among `told` stand there.
     """
     after = {gap.posture: gap for gap in result.gap_after}
     return (
@@ -52,6 +57,7 @@ def gap_section(result: GapResult, *, checks: bool, arm: str = "") -> str:
             errors=errors_svg(result),
             maps=disagreement_svgs(result),
             checks=checks,
+            notes=[note for note in result.notes if note not in told],
         )
     )
 

@@ -84,7 +84,7 @@ def write_report(
             plus_minus=plus_minus,
             rounded=rounded,
             measured=_measured(session, identification, superset, figures),
-            gap="" if gap is None else gap_section(gap, checks=False),
+            gap="" if gap is None else gap_section(gap, checks=False, told=session.warnings),
             sections=[
                 {
                     "title": section.title,

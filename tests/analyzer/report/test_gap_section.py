@@ -25,7 +25,7 @@ from armodal.analyzer.gap.records import (
 )
 from armodal.analyzer.report.effect_words import mechanics_of
 from armodal.analyzer.report.gap_file import gap_from_json, gap_to_json
-from armodal.analyzer.report.gap_section import gap_page
+from armodal.analyzer.report.gap_section import gap_page, gap_section
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.marked_effects import drawn_effects
 from armodal.protocols.arm.files import load_arm
@@ -156,6 +156,14 @@ def test_the_page_draws_the_arm_with_what_was_found() -> None:
 
 EVIL = "<b>&"
 SHOWN = "&lt;b&gt;&amp;"
+
+
+def test_a_note_that_stands_on_a_page_before_is_not_told_again() -> None:
+    result = replace(NAMED, notes=("units assumed", "a fit has not ended"))
+    assert "units assumed" in gap_section(result, checks=False)
+    beside = gap_section(result, checks=False, told=("units assumed",))
+    assert "units assumed" not in beside
+    assert "a fit has not ended" in beside
 
 
 def test_text_is_shown_and_never_run() -> None:
