@@ -14,6 +14,7 @@ import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
+from armodal.analyzer.gap.model.base_body import BASE_MASS_NAME
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -102,6 +103,7 @@ def _plain(ordinary: Ordinary) -> dict[str, float]:
     for p in ordinary.parameters():
         if p.unit in ("rad/(N m)", "m/N") or p.name.startswith("loss "):
             found[p.name] = 0.0
+    found[BASE_MASS_NAME] = 0.0
     for i in ordinary.elastic:
         damping = ordinary.arm.joints[i].damping
         if damping is None or damping.value == 0.0:

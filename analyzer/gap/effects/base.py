@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
-from armodal.analyzer.gap.model.assembly import BASE, Assembly, spatial_inertia
+from armodal.analyzer.gap.model.assembly import Assembly
+from armodal.analyzer.gap.model.base_body import BASE_BODY
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import skew
 from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.priors import BASE_FARTHEST_M
 from armodal.analyzer.gap.model.soft_parts import BASE_TURN, BASE_WAYS
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -31,26 +32,15 @@ WORDS = EffectWords(
     remedy="retorque the base bolts, grout or shim the plate, or test on a stiffer foundation",
 )
 _START = 0.05  # likewise of rocking: from nothing a fit finds its way slowly
-_FARTHEST_M = 0.3  # a base's centre and pivot from the arm's origin
-# A pedestal up to the height of two hands, on bolts in its foot. No source: assumed.
-_HEIGHT_M, _HEIGHT_STD_M, _PIVOT_STD_M = 0.1, 0.1, 0.1
-# Of the moving mass. Pedestals weigh from a tenth of the arm to as much. No source: assumed.
-_MASS, _MASS_STD, _MASS_MOST = 0.3, 0.3, 2.0
-# Radii of gyration of a disc over its radius, squared.
-_DISC = np.diag([0.25, 0.25, 0.5])
-# Of that disc, over the plate's on its bolts: a foot as wide as the first link to the plate itself.
-_RADIUS, _RADIUS_STD, _RADIUS_MOST = 0.5, 0.45, 2.0
-_ASIDE_STD = 0.1  # its centre from the first joint's axis, over the plate's radius
+# Of its bolts, about the foot. No source: assumed.
+_PIVOT_STD_M = 0.1
 _UP = skew(np.array([0.0, 0.0, 1.0]))
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in BASE_WAYS]
-    mass, height, pivot, turn = "base mass", "base height", "base pivot", BASE_TURN.name
-    radius, factor = "base radius", "base loss factor"
-    aside = ["base aside x", "base aside y"]
-    plate_m = float(np.sqrt(2.0)) * ordinary.base_lever_m  # the lever is radius over root 2
+    pivot, turn, factor = "base pivot", BASE_TURN.name, "base loss factor"
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         c, s = np.cos(values[turn]), np.sin(values[turn])
@@ -64,11 +54,6 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             assembly.columns[i] = column
         assembly.motion_of[pivot] = list(zip(at, turned @ lower, strict=True))
         assembly.motion_of[turn] = list(zip(at, across @ rocking, strict=True))
-        center = np.array([values[name] for name in (*aside, height)])
-        here, slopes = _inertia(values[mass], center, values[radius])
-        assembly.base_inertia = assembly.base_inertia + here
-        for name, slope in zip((mass, *aside, height, radius), slopes, strict=True):
-            assembly.inertia_of[name] = BASE, slope
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         """Level lines in the base's frame that it rocks about."""
@@ -87,29 +72,26 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         )
         for i, name in enumerate(names)
     }
-    total = sum(joint.link.mass_kg for joint in ordinary.arm.joints)
+    body = {p.name: p for p in ordinary.parameters() if p.name in BASE_BODY}
     return (
         Instance(
             effect=WORDS,
             place="base",
             parameters=(
-                _part_of(mass, "kg", total, (_MASS, _MASS_STD, _MASS_MOST)),
-                _at_height(height, _HEIGHT_M, _HEIGHT_STD_M),
-                _at_height(pivot, 0.0, _PIVOT_STD_M),
-                replace(
-                    _part_of(radius, "m", plate_m, (_RADIUS, _RADIUS_STD, _RADIUS_MOST)),
-                    untold=plate_m,
-                ),
-                *(
-                    Parameter(name=name, unit="m", mean=0.0, std=_ASIDE_STD * plate_m, untold=0.0)
-                    for name in aside
+                Parameter(
+                    name=pivot,
+                    unit="m",
+                    mean=0.0,
+                    std=_PIVOT_STD_M,
+                    low=-BASE_FARTHEST_M,
+                    high=BASE_FARTHEST_M,
                 ),
             ),
             # As they were, but told.
-            relaxes=relaxes | {turn: BASE_TURN, factor: loss_factor_parameter(factor)},
+            relaxes=relaxes | body | {turn: BASE_TURN, factor: loss_factor_parameter(factor)},
             builder=build,
             describe=describe,
-            details=(radius, *aside),
+            details=BASE_BODY[2:],
             size=names[3],
             sizes=tuple(names[3:6]),
             side_sizes=tuple(
@@ -118,29 +100,3 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             material=ordinary.floor_limit,
         ),
     )
-
-
-def _part_of(name: str, unit: str, whole: float, parts: tuple[float, float, float]) -> Parameter:
-    """What is no less than nothing, by its mean, deviation and most as parts of a whole."""
-    mean, std, most = (whole * part for part in parts)
-    return Parameter(name=name, unit=unit, mean=mean, std=std, low=0.0, high=most)
-
-
-def _at_height(name: str, mean_m: float, std_m: float) -> Parameter:
-    return Parameter(
-        name=name, unit="m", mean=mean_m, std=std_m, low=-_FARTHEST_M, high=_FARTHEST_M
-    )
-
-
-def _inertia(mass_kg: float, center_m: Array, radius_m: float) -> tuple[Array, tuple[Array, ...]]:
-    """The base's own (6, 6), and its slopes by mass, each part of its centre, and radius."""
-    of_one = spatial_inertia(1.0, center_m, radius_m**2 * _DISC)
-    by_radius = np.zeros((6, 6))
-    by_radius[3:, 3:] = 2.0 * radius_m * _DISC
-    by_center = []
-    for unit in np.eye(3):
-        slope, moved = np.zeros((6, 6)), skew(unit)
-        slope[:3, 3:], slope[3:, :3] = -moved, moved
-        slope[3:, 3:] = -moved @ skew(center_m) - skew(center_m) @ moved
-        by_center.append(mass_kg * slope)
-    return mass_kg * of_one, (of_one, *by_center, mass_kg * by_radius)

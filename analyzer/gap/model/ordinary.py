@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Assembly, spatial_inertia
+from armodal.analyzer.gap.model.base_body import add_base_body, base_body_parameters
 from armodal.analyzer.gap.model.geometry import PostureGeometry, across, skew
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.priors import (
@@ -188,6 +189,7 @@ class Ordinary:
                 assembly.add_term("loss", at, at, k * values[f"loss {joint.name}"])
         assembly.loss_power = values[LOSS_POWER]
         add_soft_parts(assembly, superset, values)
+        add_base_body(assembly, values)
         assembly.log_scale = -values["ln hammer"]
         assembly.delay_s = values["delay"]
         return assembly
@@ -253,6 +255,8 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
         )
     )
     found += soft_part_parameters(ordinary.superset)
+    # The lever is the plate's radius over root 2.
+    found += base_body_parameters(ordinary.superset, float(np.sqrt(2.0)) * ordinary.base_lever_m)
     for joint in arm.joints:
         link = joint.link.name
         own = arm.inertial_std(joint)

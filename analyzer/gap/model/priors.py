@@ -9,8 +9,19 @@ from __future__ import annotations
 import math
 
 __all__ = [
+    "BASE_ASIDE_STD",
+    "BASE_DISC",
+    "BASE_FARTHEST_M",
     "BASE_GAIN_STD",
+    "BASE_HEIGHT_M",
+    "BASE_HEIGHT_STD_M",
     "BASE_LEVER",
+    "BASE_MASS",
+    "BASE_MASS_MOST",
+    "BASE_MASS_STD",
+    "BASE_RADIUS",
+    "BASE_RADIUS_MOST",
+    "BASE_RADIUS_STD",
     "BEARING_LEVER",
     "BEARING_LIMIT",
     "BEARING_MEAN",
@@ -110,3 +121,13 @@ LINE_TILT_STD, LINE_SHIFT_STD_M = 1.0, 0.15
 
 # Gains of one mounting, of the tolerance that a sensor's gain has, and at least.
 MOUNTING_GAIN, MOUNTING_GAIN_LEAST = 0.4, 1e-3
+
+# The base's body. A pedestal up to the height of two hands. No source: assumed.
+BASE_HEIGHT_M, BASE_HEIGHT_STD_M, BASE_FARTHEST_M = 0.1, 0.1, 0.3
+# Of the moving mass. Pedestals weigh from a tenth of the arm to as much. No source: assumed.
+BASE_MASS, BASE_MASS_STD, BASE_MASS_MOST = 0.3, 0.3, 2.0
+# Radii of gyration of a disc over its radius, squared.
+BASE_DISC = (0.25, 0.25, 0.5)
+# Of that disc, over the plate's on its bolts: a foot as wide as the first link to the plate itself.
+BASE_RADIUS, BASE_RADIUS_STD, BASE_RADIUS_MOST = 0.5, 0.45, 2.0
+BASE_ASIDE_STD = 0.1  # its centre from the first joint's axis, over the plate's radius
