@@ -14,7 +14,7 @@ import numpy as np
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.add import file_key, instances_of_file
-from armodal.analyzer.gap.model.base_body import BASE_MASS_NAME
+from armodal.analyzer.gap.model.base_body import BASE_BODY, BASE_MASS_NAME
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
@@ -126,9 +126,13 @@ def _refuse_missing(arm: Arm, instances: tuple[Instance, ...]) -> None:
 
 
 def _wanted(instance: Instance) -> list[str]:
-    """Keys without which it would be another effect: where an axis lies its description tells."""
+    """Keys without which it would be another effect: where an axis lies its description tells.
+
+    What it frees the arm has without it, but for the base's body.
+    """
+    body = [p for p in instance.relaxes.values() if p.name in BASE_BODY]
     return [
         file_key(p.name, instance.place)
-        for p in instance.parameters
+        for p in (*instance.parameters, *body)
         if p.untold is None and p.name not in instance.begins_at
     ]

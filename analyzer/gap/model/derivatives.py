@@ -75,7 +75,7 @@ class Solved:
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
         """Stiffness with its hysteretic part, damping, loss, and how that grows."""
         s = self.found.s_rad_s
-        turn = self.found.lost[:, None, None, :]
+        turn = self.found.weight("loss")[:, None, None, :]
         by_loss = np.zeros_like(self.found.true_axes)
         by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
         for i in self.ordinary.elastic:

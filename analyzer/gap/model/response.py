@@ -11,8 +11,7 @@ acceleration, tilt of gravity included, and for any parameter
 
     d(o x) = do x - (o E H) dZ x + (o E H) db ,        Z = H^-1 + m s^2 U U' .
 
-A loss factor eta is causal and leaves k as it is at a reference. That of an interface is constant,
-that of a drive grows with a power of frequency (`hysteresis.lost_by_power`), which h = L has at 0:
+A loss factor eta is causal, leaves k as it is at a reference, and but for a drive's is constant:
 
     k (1 + eta L(s)),    L(s) = (2 / pi) ln(s / w_r),    L(i w) = i + (2 / pi) ln(w / w_r) .
 
@@ -175,14 +174,8 @@ class Response:
         """Return (P, L) what "mass", "damping", "stiffness" or "loss" is multiplied by in Z."""
         s = self.s_rad_s
         if kind == "loss":
-            return self.lost
+            return np.asarray(lost_by_power(s, self.system.loss_power).astype(s.dtype, copy=False))
         return {"mass": s**2, "damping": s, "stiffness": np.ones_like(s)}[kind]
-
-    @cached_property
-    def lost(self) -> ComplexArray:
-        """(P, L) `hysteresis.lost_by_power` of the drives on these lines."""
-        found = lost_by_power(self.s_rad_s, self.system.loss_power)
-        return np.asarray(found.astype(self.s_rad_s.dtype, copy=False))
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by the compliances of k of the N coordinates.

@@ -132,6 +132,14 @@ def test_all_that_an_effect_lacks_is_named_at_once():
         assert key in str(refused.value)
 
 
+def test_a_base_without_a_mass_is_refused_as_no_arm_tells_it():
+    base = any_of(ARM, "base")
+    assert correction_of(with_effects(ARM, base)).values["base mass"] > 0.0
+    light = tuple(p for p in base.parameters if p.name not in {"mass", "height"})
+    with pytest.raises(ArmError, match=r"mass of base \(base\), height of base \(base\)"):
+        correction_of(with_effects(ARM, replace(base, parameters=light)))
+
+
 def test_an_arm_that_falls_is_refused():
     soft = axis("upper_arm", compliance=1.0)
     with pytest.raises(EstimateError, match="do not hold it against gravity"):
