@@ -1,14 +1,13 @@
 """What each number of the gap workflow's search and decision changes, moved by 30 % either way.
 
 The numbers are those of module constants in `analyzer/gap/search` and `analyzer/gap/decision`, and
-the cases those of a maker. A case as it is comes first, with every number traced
-(`traced_number.py`): a change that could have changed nothing in it is not run there. The others
-are moved together, each in a way of its own by a coin, and all the other way: where verdict and
-names stay, all of them are taken to change nothing in that case; where not, halves are moved, down
-to the number that does it alone. Two that cancel each other in every case would be missed. A change
-that has been found in three cases is not looked for in further ones. A number is deleted where
-no verdict and no name changes, explained where many do. One line of JSON a run is kept: what was
-stopped goes on where it was. A table of the numbers ends it.
+the cases those of a maker. A case as it is comes first. Then all numbers are moved together, each
+in a way of its own by a coin, and all the other way: where verdict and names stay, all of them are
+taken to change nothing in that case; where not, halves are moved, down to the number that does it
+alone. Two that cancel each other in every case would be missed. A change that has been found in
+three cases is not looked for in further ones. A number is deleted where no verdict and no name
+changes, explained where many do. One line of JSON a run is kept: what was stopped goes on where it
+was. A table of the numbers ends it.
 
     python bench/ablation.py --out FOLDER --maker frame --nulls 50 --effects 50
     python bench/ablation.py --list
@@ -21,19 +20,17 @@ import ast
 import hashlib
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from importlib import import_module
 from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from types import ModuleType
 from typing import Any
-
-from traced_number import TracedNumber
 
 from armodal.analyzer import gap
 from armodal.analyzer.gap.workflow import find_gap
@@ -123,30 +120,6 @@ def moved(group: Sequence[Change]) -> Iterator[None]:
             _put(holders, constant, own)
 
 
-@contextmanager
-def traced(every: Sequence[Number]) -> Iterator[set[str]]:
-    """Trace numbers; gives the names of changes that could have mattered so far."""
-    noted: set[str] = set()
-    before = {(n.module, n.constant): _held(n) for n in every}
-    values = {key: own for key, (own, _) in before.items()}
-    for n in every:
-        own, key = before[n.module, n.constant][0], (n.module, n.constant)
-        plain = own if n.place is None else own[n.place]
-        changed = {Change(n, way).name: _times(plain, None, way) for way in WAYS}
-        number = TracedNumber(plain, changed, noted)
-        if n.place is None:
-            values[key] = number
-        else:
-            values[key] = tuple(number if i == n.place else v for i, v in enumerate(values[key]))
-    for (module, constant), (_, holders) in before.items():
-        _put(holders, constant, values[module, constant])
-    try:
-        yield noted
-    finally:
-        for (_, constant), (own, holders) in before.items():
-            _put(holders, constant, own)
-
-
 def _held(number: Number) -> tuple[Any, list[ModuleType]]:
     """What a constant is, and the modules that have it."""
     home = import_module(number.module)
@@ -177,17 +150,10 @@ def _times(value: Any, place: int | None, factor: float) -> Any:
 
 
 def judged(group: Sequence[Change], spec: CaseSpec) -> Line:
-    """Judge one case with numbers moved; with none moved, all are traced."""
+    """Judge one case with numbers moved."""
     session = case_of(spec).session()
-    told: Callable[[], Any] = partial(find_gap, session, gates=False, modes=False, advice=False)
-    could_matter: list[str] = []
-    if group:
-        with moved(group):
-            result = told().result
-    else:
-        with traced(list(numbers())) as noted:
-            result = told().result
-        could_matter = sorted(noted)
+    with moved(group):
+        result = find_gap(session, gates=False, modes=False, advice=False).result
     return {
         "key": key_of(group, spec.number),
         "case": spec.number,
@@ -195,7 +161,6 @@ def judged(group: Sequence[Change], spec: CaseSpec) -> Line:
         "verdict": result.verdict.value,
         "named": sorted(effect.name for effect in result.effects),
         "right": sorted(spec.kinds) == sorted(effect.name for effect in result.effects),
-        "could_matter": could_matter,
     }
 
 
@@ -233,10 +198,8 @@ class Ablation:
         ]
 
     def first_groups(self, case: int) -> list[tuple[Change, ...]]:
-        """Both groups of changes that could matter in a case and are not known yet to do so."""
-        plain = self._line((), case)
-        could = set(plain["could_matter"]) if plain else set()
-        open_ = [c for c in self.every if c.name in could and self._found(c, case) < ENOUGH]
+        """Both groups of changes that are not known yet to matter."""
+        open_ = [c for c in self.every if self._found(c, case) < ENOUGH]
         coin = {c: int(hash_of(f"{case} {c.number.name}"), 16) % 2 for c in open_}
         both = ([c for c in open_ if (c.factor > 1.0) == (coin[c] == side)] for side in (0, 1))
         return [tuple(group) for group in both if group]
@@ -246,8 +209,6 @@ class Ablation:
         plain = self._line((), case)
         if plain is None:
             return None
-        if change.name not in plain["could_matter"]:
-            return True
         for first in self.first_groups(case):
             if change in first:
                 return self._alike_in(change, first, case, plain)
