@@ -1,13 +1,13 @@
 """What each number of the gap workflow's search and decision changes, moved by 30 % either way.
 
 The numbers are those of module constants in `analyzer/gap/search` and `analyzer/gap/decision`, and
-the cases those of a maker. A case as it is comes first. Then all numbers are moved together, each
-in a way of its own by a coin, and all the other way: where verdict and names stay, all of them are
-taken to change nothing in that case; where not, halves are moved, down to the number that does it
-alone. Two that cancel each other in every case would be missed. A change that has been found in
-three cases is not looked for in further ones. A number is deleted where no verdict and no name
-changes, explained where many do. One line of JSON a run is kept: what was stopped goes on where it
-was. A table of the numbers ends it.
+the cases those of a maker. A case as it is comes first. Then all numbers are moved together, up in
+half of the cases and down in the others by a coin of each: where verdict and names stay, all of
+them are taken to change nothing in that case; where not, halves are moved, down to the number that
+does it alone. Two that cancel each other in every case would be missed. A change that has been
+found in three cases is not looked for in further ones. A number is deleted where no verdict and no
+name changes, explained where many do. One line of JSON a run is kept: what was stopped goes on
+where it was. A table of the numbers ends it.
 
     python bench/ablation.py --out FOLDER --maker frame --nulls 50 --effects 50
     python bench/ablation.py --list
@@ -26,7 +26,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
-from itertools import product
+from itertools import groupby, product
 from multiprocessing import get_context
 from pathlib import Path
 from types import ModuleType
@@ -40,6 +40,7 @@ from armodal.study.kept_lines import Line, kept_lines, run_and_keep
 FOLDERS = ("search", "decision")
 WAYS = (0.7, 1.3)
 ENOUGH = 3
+TOGETHER = 8  # cases of a round
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,33 +187,30 @@ class Ablation:
     def waiting(self, case: int) -> list[tuple[Change, ...]]:
         """Return groups of a case that are to be run next; none once all of it is told.
 
-        Cases with lower numbers must have been told: what they found is not looked for here.
+        Cases of earlier rounds must have been told: what they found is not looked for here.
         """
         plain = self._line((), case)
         if plain is None:
             return [()]
-        return [
-            group
-            for first in self.first_groups(case)
-            for group in self._waiting_of(first, case, plain)
-        ]
+        return list(self._waiting_of(self.first_group(case), case, plain))
 
-    def first_groups(self, case: int) -> list[tuple[Change, ...]]:
-        """Both groups of changes that are not known yet to matter."""
-        open_ = [c for c in self.every if self._found(c, case) < ENOUGH]
-        coin = {c: int(hash_of(f"{case} {c.number.name}"), 16) % 2 for c in open_}
-        both = ([c for c in open_ if (c.factor > 1.0) == (coin[c] == side)] for side in (0, 1))
-        return [tuple(group) for group in both if group]
+    def first_group(self, case: int) -> tuple[Change, ...]:
+        """Each number up or down, by a coin; what is known to matter is left out."""
+        coin = {n: int(hash_of(f"{case} {n.name}"), 16) % 2 for n in {c.number for c in self.every}}
+        return tuple(
+            c
+            for c in self.every
+            if (c.factor > 1.0) == bool(coin[c.number])
+            and self._found(c, before=case // TOGETHER * TOGETHER) < ENOUGH
+        )
 
     def alike(self, change: Change, case: int) -> bool | None:
         """Whether a case is alike with a change alone; None where it was not looked at."""
         plain = self._line((), case)
         if plain is None:
             return None
-        for first in self.first_groups(case):
-            if change in first:
-                return self._alike_in(change, first, case, plain)
-        return None
+        first = self.first_group(case)
+        return self._alike_in(change, first, case, plain) if change in first else None
 
     def told(self, change: Change, case: int) -> tuple[Line, Line] | None:
         """A case as it is, and with a change alone; None where that was not run."""
@@ -224,7 +222,7 @@ class Ablation:
         count = 0
         for case in cases:
             plain = self._line((), case)
-            heap = self.first_groups(case)
+            heap = [self.first_group(case)]
             while plain is not None and heap:
                 group = heap.pop()
                 line = self._line(group, case)
@@ -244,7 +242,8 @@ class Ablation:
     ) -> Iterator[tuple[Change, ...]]:
         line = self._line(group, case)
         if line is None:
-            yield group
+            if group:
+                yield group
         elif not _same(line, plain) and len(group) > 1:
             for half in _halves(group):
                 yield from self._waiting_of(half, case, plain)
@@ -318,7 +317,8 @@ def main() -> int:
         print("\n".join(f"{n.name:50} {n.value:g}" for n in numbers()))
         print(f"{len(list(numbers()))} numbers; --out FOLDER judges cases with each moved")
         return 0
-    specs = draw_cases(wanted.maker, wanted.seed, nulls=wanted.nulls, effects=wanted.effects)
+    drawn = draw_cases(wanted.maker, wanted.seed, nulls=wanted.nulls, effects=wanted.effects)
+    specs = sorted(drawn, key=lambda spec: spec.number)
     wanted.out.mkdir(parents=True, exist_ok=True)
     path = wanted.out / f"ablation-{wanted.maker}-{wanted.seed}.jsonl"
     lines, every = kept_lines(path, "key"), changes()
@@ -328,9 +328,9 @@ def main() -> int:
             ((), spec) for spec in specs if Ablation(lines, every).waiting(spec.number) == [()]
         ]
         run_and_keep(path, executor, judged, as_they_are, lines.append)
-        for spec in sorted(specs, key=lambda spec: spec.number):
-            while groups := Ablation(lines, every).waiting(spec.number):
-                jobs = [(group, spec) for group in groups]
+        for _, of_round in groupby(specs, lambda spec: spec.number // TOGETHER):
+            own = [*of_round]
+            while jobs := [(g, s) for s in own for g in Ablation(lines, every).waiting(s.number)]:
                 run_and_keep(path, executor, judged, jobs, lines.append)
     print("\n".join(table(lines, every)))
     return 0

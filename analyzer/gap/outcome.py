@@ -11,6 +11,7 @@ import numpy as np
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.judge import Judged, Thresholds
 from armodal.analyzer.gap.decision.matters import matters
+from armodal.analyzer.gap.decision.recurrence import recurrence
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.decision.without_levels import titles
 from armodal.analyzer.gap.inference.compare import disagreement_map, posture_gap
@@ -137,8 +138,9 @@ def conclude(
     is_outside = verdict is Verdict.OUTSIDE_LIBRARY
     left = disagreement_map(sharp, final, points) if is_outside else where
     measured = _measured_modes(modes_of, sharp)
-    first = _foretold(sharp, before, test, named)
-    last = _foretold(sharp, final, test, named) if named else first
+    tell("held-out postures")
+    first = held_out(sharp, before, test)
+    last = held_out(sharp, final, test) if named else first
     sizes = hidden_sizes(stages[-2], alive[0], hiding, spread)
     is_settled = not is_outside and not standing[1:]
     ranges = stiffness_ranges(alive, sizes, spread, settled=is_settled)
@@ -186,11 +188,9 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         parameters=intervals(final, instance.owned, phi),
         size=instance.size,
         description={} if instance.describe is None else instance.describe(final.values),
-        confidence=step.judged.confidence * step.recurrence * (1.0 - chance),
+        confidence=step.judged.confidence * recurrence(instance, step.gains) * (1.0 - chance),
         gain=gain,
-        held_out_gain=float(
-            np.sum(step.foretold_without.surprise) - np.sum(step.foretold_with.surprise)
-        ),
+        held_out_gain=sum(step.gains.values()),
         signature=words.signature,
         confused_with=tuple(title_of(name) for name in words.confused_with),
         told_by=words.told_by,
@@ -282,17 +282,6 @@ def _gaps(
         )
         for p, lines in enumerate(stage.lines)
     )
-
-
-def _foretold(stage: Stage, fit: Fit, test: tuple[int, ...], named: Sequence[Step]) -> HeldOut:
-    """What a model foretells; as it was when a step was judged, where it is the same."""
-    for step in named:
-        if step.foretold_without.postures == test:
-            if step.without is fit:
-                return step.foretold_without
-            if step.fit is fit:
-                return step.foretold_with
-    return held_out(stage, fit, test)
 
 
 def _interface(stage: Stage, before: Fit, least: float) -> str:

@@ -113,7 +113,7 @@ def find_gap(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
     )
     stages = _with_places(stages, present, start)
-    search = partial(_search, session, stages, (present, start), levels, limits)
+    search = partial(_search, stages, (present, start), levels, limits)
     ended, said = search(tell=tell)
     if ended.named and ended.judged.calibration.is_model_wrong:
         # A wrong first name explains much and leaves more: what else would be the first?
@@ -132,7 +132,7 @@ def find_gap(
         found=ended.found,
         judged=ended.judged,
         named=ended.named,
-        test=ended.test,
+        test=held_out_postures(session, ended.stages[-1].lines),
         gates=gate_rows,
         notes=notes,
         limits=limits,
@@ -151,7 +151,6 @@ class _Ended:
     found: Rivals
     judged: Judged
     named: tuple[Step, ...]
-    test: tuple[int, ...]  # held-out postures
 
     @property
     def misfit(self) -> float:
@@ -160,7 +159,6 @@ class _Ended:
 
 
 def _search(
-    session: Session,
     stages: tuple[Stage, ...],
     believed: tuple[Hypothesis, dict[str, float]],
     levels: Callable[..., tuple[tuple[Stage, ...], Hypothesis]],
@@ -186,7 +184,6 @@ def _search(
     """
     present, start = believed
     notes: list[str] = []
-    test = held_out_postures(session, stages[-1].lines)
     named: list[Step] = []
     before: Fit | None = None
     fitted: Fit | None = None
@@ -212,9 +209,7 @@ def _search(
             break
         better = judged.named
         leaves = partial(misfit_of_replicas, stages[-1], beyond=limits.false_name)
-        step, doubt = step_to(
-            stages[-1], found.present, judged, better, test, leaves, len(named), tell
-        )
+        step, doubt = step_to(stages[-1], found.present, judged, better, leaves, len(named), tell)
         if step is None:
             notes.append(f"{better.last.title} {doubt}; it was not named")
             judged = replace(judged, named=None, standing=(better, found.present), doubted=True)
@@ -231,7 +226,6 @@ def _search(
             rounds = 0
             stages, (present, start) = _with_places(apart, levelled, start), believed
             present = replace(present, ordinary=levelled.ordinary)
-            test = held_out_postures(session, stages[-1].lines)
             named, before, fitted = [], None, None
         elif _is_outside(stages[-1], fitted, calibration, named):
             # Outside the library: what else there is would be told of a wrong model.
@@ -250,7 +244,6 @@ def _search(
         found=found,
         judged=judged,
         named=tuple(named),
-        test=test,
     )
     return ended, notes
 

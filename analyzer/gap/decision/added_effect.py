@@ -9,7 +9,6 @@ from armodal.analyzer.gap.decision.calibration import Calibration
 from armodal.analyzer.gap.decision.judge import Judged, is_plainer
 from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
-from armodal.analyzer.gap.inference.held_out import HeldOut
 from armodal.analyzer.gap.library import together
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -21,14 +20,12 @@ __all__ = ["Step", "beside_rivals", "with_step"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """An effect's way into the model: without and with it, what both foretold, the judgement."""
+    """An effect's way into the model: without and with it, and the judgement."""
 
     without: Fit
     fit: Fit
-    foretold_without: HeldOut
-    foretold_with: HeldOut
+    gains: Mapping[str, float]  # by posture, foretold from the others: log density with it more
     judged: Judged
-    recurrence: float  # probability that it lowers the misfit of further postures too
 
 
 def with_step(

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from armodal.analyzer.gap.decision.added_effect import Step
 from armodal.analyzer.gap.decision.calibration import Calibration
 from armodal.analyzer.gap.decision.judge import Judged, judge
 from armodal.analyzer.gap.decision.matters import MOST
-from armodal.analyzer.gap.decision.recurrence import recurrence
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
-from armodal.analyzer.gap.inference.held_out import held_out
+from armodal.analyzer.gap.inference.left_out import left_out
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.search.rivals import Rivals
 
@@ -62,7 +59,6 @@ def step_to(
     present: Fit,
     judged: Judged,
     better: Fit,
-    test: tuple[int, ...],
     leaves: Callable[[Fit], float],
     n_named: int,
     tell: Tell,
@@ -73,8 +69,6 @@ def step_to(
     ----------
     present, better
         Fits without and with the name.
-    test
-        Held-out postures, which the better model must foretell.
     leaves
         The misfit that replicas of a fit leave at most.
     n_named
@@ -84,31 +78,15 @@ def step_to(
     least = MOST if n_named else _LEAST_EXPLAINED
     if beyond and _explained(stage, present, better) < least:
         return None, "is the best of the library, but leaves most of what is missing"
-    tell(f"held-out postures: {better.hypothesis.name}")
-    without = held_out(stage, present, test)
-    with_it = held_out(stage, better, test)
-    gains = np.subtract(without.surprise, with_it.surprise)
-    # What the null has with a narrow prior foretells little more when that is widened.
-    apart = judged.calibration.apart
-    wanted = -apart if _only_relaxes(better) else apart
-    if gains.sum() < wanted:
-        return None, "fits better but does not predict the validation postures"
-    step = Step(
-        without=present,
-        fit=better,
-        foretold_without=without,
-        foretold_with=with_it,
-        judged=judged,
-        recurrence=recurrence(stage, present, better),
-    )
-    return step, ""
+    tell(f"each posture from the others: {better.hypothesis.name}")
+    with_it = left_out(stage, better)
+    gains = {name: s - with_it[name] for name, s in left_out(stage, present).items()}
+    if sum(gains.values()) < judged.calibration.apart:
+        return None, "fits better but does not predict a posture from the others"
+    return Step(without=present, fit=better, gains=gains, judged=judged), ""
 
 
 def _explained(stage: Stage, present: Fit, better: Fit) -> float:
     """Part of the misfit that a better model takes off."""
     before, after = misfit_per_line(stage, present), misfit_per_line(stage, better)
     return (before - after) / before
-
-
-def _only_relaxes(fit: Fit) -> bool:
-    return bool(fit.last.relaxes) and not fit.last.adds_term

@@ -1,8 +1,8 @@
 """Whether what an effect explains recurs from posture to posture.
 
 Errors of a model that is wrong in its form are alike within a posture and differ between postures.
-So postures are what counts as independent: by how much an effect lowers the misfit of each is one
-draw, and Student's t tells how surely their mean is above zero.
+So postures are what counts as independent: how much better each is foretold from the others with an
+effect is one draw, and Student's t tells how surely their mean is above zero.
 
 References
 ----------
@@ -12,30 +12,28 @@ Cameron and Miller, J. Human Resources 50 (2015) 317, section VI: few clusters, 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import scipy
 
-from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.effect import Instance
 
 __all__ = ["recurrence"]
 
 
-def recurrence(stage: Stage, without: Fit, fit: Fit) -> float:
-    """Probability that an effect lowers the misfit of further postures too.
+def recurrence(instance: Instance, gains: Mapping[str, float]) -> float:
+    """Probability that further postures too are foretold better with an effect.
 
     Parameters
     ----------
-    stage
-        Lines that both were fitted to, of two postures at least.
-    without, fit
-        The model before, and with one effect more: one of a single posture recurs nowhere, and is
-        not judged by this.
+    instance
+        The effect: one of a single posture recurs nowhere, and is not judged by this.
+    gains
+        Of the log density of each posture's data, foretold from the others; of two at least.
     """
-    if fit.last.of_one_posture:
+    if instance.of_one_posture:
         return 1.0
-    gains: dict[str, float] = {}
-    for lines, before, after in zip(stage.lines, without.misfit, fit.misfit, strict=True):
-        gains[lines.name] = gains.get(lines.name, 0.0) + before - after
     each = np.array([*gains.values()])
     scatter = float(each.std(ddof=1) / np.sqrt(len(each)))
     if scatter == 0.0:

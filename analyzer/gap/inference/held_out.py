@@ -1,20 +1,9 @@
-"""How well a hypothesis, fitted to some postures, foretells others.
-
-The training postures leave a Gaussian of the parameters, their curvature A about the best point.
-The log density of a held-out posture integrates over it (Laplace): with that posture's cost C,
-slope g and curvature H, the training's own part in C and g, where both meet,
-
-    -ln p = C - g'(A + H)^-1 g / 2 + ln det(A + H) / 2 - ln det A / 2 .
-
-What is known only in that posture, its aim and its mountings, is integrated out likewise.
-"""
+"""A hypothesis fitted to some postures, to see what it foretells of the others."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -22,8 +11,6 @@ from armodal.protocols.session.records import Session
 
 __all__ = ["HeldOut", "held_out", "held_out_postures"]
 
-_MEETING_STEPS = 5
-_ENOUGH = 0.5  # nats that a further step must bring
 _MOST_STEPS = 6  # from a fit to all postures that to some is near
 
 
@@ -33,7 +20,6 @@ class HeldOut:
 
     training: Fit
     postures: tuple[int, ...]
-    surprise: tuple[float, ...]  # -ln p of each held-out posture
 
 
 def held_out_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[int, ...]:
@@ -56,7 +42,7 @@ def held_out_postures(session: Session, lines: Sequence[PostureLines]) -> tuple[
 
 
 def held_out(stage: Stage, fit: Fit, test: Sequence[int]) -> HeldOut:
-    """Fit to all postures but `test`, and see how surprising those are.
+    """Fit to all postures but `test`.
 
     Parameters
     ----------
@@ -73,34 +59,7 @@ def held_out(stage: Stage, fit: Fit, test: Sequence[int]) -> HeldOut:
         postures=training_postures,
         max_iterations=_MOST_STEPS,
     )
-    surprise = tuple(_surprise(stage, training, p) for p in test)
-    return HeldOut(training=training, postures=tuple(test), surprise=surprise)
-
-
-def _surprise(stage: Stage, training: Fit, posture: int) -> float:
-    """Minus the log density of one posture's data: Laplace's, where data and training meet.
-
-    What only this posture can tell, such as how its hits were aimed, may lie far from where the
-    training begins: there one linear step is not enough.
-    """
-    space, f = training.space, training.free
-    A = training.curvature[np.ix_(f, f)] + np.eye(int(f.sum()))
-    trial, best, least = training.u, np.inf, np.inf
-    for _ in range(_MEETING_STEPS):
-        (part,) = stage.quadratics(training.hypothesis, space, space.values(trial), [posture])
-        off = trial[f] - training.u[f]
-        cost = part.cost + 0.5 * float(off @ A @ off)
-        if cost >= best - _ENOUGH:
-            break
-        best = cost
-        both = A + part.curvature[np.ix_(f, f)]
-        slope = part.gradient[f] + A @ off
-        step = np.linalg.solve(both, slope)
-        least = best - 0.5 * float(slope @ step) + 0.5 * float(np.linalg.slogdet(both)[1])
-        trial = trial.copy()
-        trial[f] -= step
-        trial = np.clip(trial, space.low, space.high)
-    return least - 0.5 * float(np.linalg.slogdet(A)[1])
+    return HeldOut(training=training, postures=tuple(test))
 
 
 def _without(fit: Fit, stage: Stage, test: Sequence[int]) -> dict[str, float]:

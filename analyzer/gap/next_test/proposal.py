@@ -1,7 +1,7 @@
 """The one further test that would tell most: of rivals that stand, or of what could hide.
 
 For data that one rival would give in a new test, the log density under each rival integrates over
-what its fit left open (`inference.held_out`). The difference is the evidence that the test is
+what its fit left open (as in `inference.left_out`). The difference is the evidence that the test is
 expected to bring for the true one; a test is as good as its worst pair of rivals, whichever is
 true.
 """

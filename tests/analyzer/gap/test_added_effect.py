@@ -25,14 +25,11 @@ SPACE = Space(
 
 
 def step_to(fit):
-    surprise = SimpleNamespace(surprise=())
     return Step(
         without=replace(fit, cost=fit.cost + 1000.0),
         fit=fit,
-        foretold_without=surprise,
-        foretold_with=surprise,
+        gains={"p": 1000.0},
         judged=Judged(named=fit, standing=(fit,), phi=1.0, calibration=made_calibration()),
-        recurrence=1.0,
     )
 
 
