@@ -1,9 +1,9 @@
 """The verdict: named, ambiguous, nothing detectable, or outside the library.
 
 Three rules, all needed (each alone gave wrong names): a rival is named when the evidence for it is
-clear and no other stands beside it, when it is large enough to matter, and when each posture is, all
-in all, foretold better from the others with it. And whatever was named, a misfit far above what ordinary
-errors leave says that something is missing which the library does not know.
+clear and no other stands beside it, when it is large enough to matter, and when postures are
+foretold better from each other with it. And whatever was named, a misfit far above what
+ordinary errors leave says that something is missing which the library does not know.
 """
 
 from __future__ import annotations

@@ -98,5 +98,6 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 (name, ordinary.floor_limit * ordinary.base_lever_m**2) for name in names[:3]
             ),
             material=ordinary.floor_limit,
+            drives=ordinary.drives(),
         ),
     )

@@ -64,6 +64,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 size=names[0],
                 sizes=tuple(names),
                 material=ordinary.bearing_limit(link),
+                drives=ordinary.drives(link),
             )
         )
     return tuple(found)

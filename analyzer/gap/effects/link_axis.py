@@ -171,6 +171,7 @@ def at_axis(
         size=gamma,
         shapes=(*moves, part, spread) if before else moves,
         material=_MATERIAL * ordinary.scale(link),
+        drives=ordinary.drives(link),
         pieces=f"axis {name}" if before else "",
         is_line=not before,
     )

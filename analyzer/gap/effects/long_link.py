@@ -147,4 +147,5 @@ def given_way(
         details=shapes,
         pieces=f"hinges {line.name}",
         material=material * ordinary.scale(line.link) / line.length_m,
+        drives=ordinary.drives(line.link),
     )

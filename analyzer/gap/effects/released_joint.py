@@ -40,6 +40,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 },
                 size=name,
                 material=_MATERIAL * ordinary.scale(number),
+                drives=ordinary.drives(number),
                 is_term=True,
             )
         )

@@ -123,6 +123,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 shapes=(inertia,),
                 hides_in=f"ln k {joint}",
                 material=_MATERIAL * gamma,
+                drives=ordinary.drives(i),
             )
         )
     return tuple(found)

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from armodal.analyzer.gap.model.joint_laws import (
     JointLaw,
     Linearised,
@@ -118,6 +120,8 @@ class Instance:
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several
     material: float = 0.0  # below this size it is not worth a name
+    # Drives of whose compliance that is a part: ln k of each, and what is believed of it.
+    drives: tuple[tuple[str, float], ...] = ()
     size_offset: float = 0.0  # of the size: what the null has anyway; only more is an effect
     pieces: str = ""  # how it cuts which link's mass: two ways of one link exclude each other
     # ln k of the joint whose compliance it is a part of, as long as nothing else of it is seen.
@@ -162,7 +166,7 @@ class Instance:
         return (*(p.name for p in self.parameters), *self.relaxes)
 
     def is_material(self, values: Mapping[str, float]) -> bool:
-        """Return whether it is large enough to be worth a name."""
+        """Return whether it is large enough to be worth a name, beside drives as they are."""
         names = self.sizes or ((self.size,) if self.size else ())
         if not names:
             return True
@@ -170,8 +174,10 @@ class Instance:
             largest = max(values[name] - self.size_offset for name in names)
         else:
             largest = max(abs(values[name]) for name in names)
-        beside = any(abs(values[name]) >= least for name, least in self.side_sizes)
-        return largest >= self.material or beside
+        softer = [believed - values.get(name, believed) for name, believed in self.drives]
+        times = float(np.exp(np.mean(softer or [0.0])))
+        beside = any(abs(values[name]) >= least * times for name, least in self.side_sizes)
+        return largest >= self.material * times or beside
 
     def excludes(self, other: Instance) -> bool:
         """Return whether one covers the other, or both cut one link's mass, but otherwise."""

@@ -81,6 +81,16 @@ class Ordinary:
         """Return what a joint's drive gives way by, or would, rad/(N m) (`scales.scale`)."""
         return scale(self.superset, joint)
 
+    def drives(self, joint: int | None = None) -> tuple[tuple[str, float], ...]:
+        """Return ln k, name and belief, of the drives that `scale` is of, or `compliance`."""
+        told = self.elastic
+        if joint is None:
+            told = told[:3]
+        elif joint in told:
+            told = (joint,)
+        names = [self.arm.joints[i].name for i in told]
+        return tuple((f"ln k {name}", float(np.log(self.stiffness(name)))) for name in names)
+
     def stiffness(self, joint: str) -> float:
         """Return the believed stiffness of an elastic joint, N m/rad."""
         found = next(own.stiffness for own in self.arm.joints if own.name == joint)

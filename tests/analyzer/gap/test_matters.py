@@ -7,11 +7,15 @@ import numpy as np
 import pytest
 from support.made_gap_fits import made_fit
 
+from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.matters import is_material, matters
 from armodal.analyzer.gap.effects import nonproportional, wrong_point
+from armodal.analyzer.gap.library import all_instances
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter, Space
+from armodal.protocols.arm.files import load_arm
 
 
 @pytest.mark.parametrize(
@@ -58,3 +62,29 @@ def test_what_the_data_do_not_tell_of_a_size_in_several_parts_makes_it_no_larger
         curvature=W.T @ np.diag(1.0 / np.square(stds_m)) @ W,
     )
     assert is_material(fit, off, 1.0) is is_told
+
+
+def test_what_is_a_part_of_a_drive_is_one_of_the_drive_as_it_is():
+    """Where a data sheet has it half as soft, a bearing of twice as much is ordinary."""
+    ordinary = Ordinary(superset=Superset(load_arm("ur5")), postures=("p",))
+    of_drives = [i for i in all_instances(ordinary) if i.drives]
+    assert {"bearing", "base", "servo", "link_bending"} <= {i.effect.name for i in of_drives}
+    for instance in of_drives:
+        for softer in (1.0, 2.0):
+            least = softer * instance.material
+            values = {name: believed - np.log(softer) for name, believed in instance.drives}
+            values |= {name: 0.0 for name, _ in instance.side_sizes}
+            names = instance.sizes or (instance.size,)
+            for size, is_large in ((0.99 * least, False), (1.01 * least, True)):
+                values |= dict.fromkeys(names, 0.0) | {names[-1]: size}
+                assert instance.is_material(values) is is_large
+
+
+def test_a_joint_that_is_believed_rigid_goes_with_the_elastic_ones():
+    arm = load_arm("rv4frl")
+    ordinary = Ordinary(superset=Superset(arm), postures=("p",))
+    told = [(f"ln k {j.name}", np.log(j.stiffness.value)) for j in arm.joints if j.stiffness]
+    rigid = [i for i, joint in enumerate(arm.joints) if joint.stiffness is None]
+    assert rigid
+    assert dict(ordinary.drives(rigid[0])) == pytest.approx(dict(told))
+    assert dict(ordinary.drives()) == pytest.approx(dict(told[:3]))
