@@ -153,15 +153,19 @@ def _times(value: Any, place: int | None, factor: float) -> Any:
 def judged(group: Sequence[Change], spec: CaseSpec) -> Line:
     """Judge one case with numbers moved."""
     session = case_of(spec).session()
-    with moved(group):
-        result = find_gap(session, gates=False, modes=False, advice=False).result
+    try:
+        with moved(group):
+            result = find_gap(session, gates=False, modes=False, advice=False).result
+        verdict, named = result.verdict.value, sorted(effect.name for effect in result.effects)
+    except (ArithmeticError, ValueError) as error:  # a number out of its range
+        verdict, named = "failed", [type(error).__name__]
     return {
         "key": key_of(group, spec.number),
         "case": spec.number,
         "moved": [change.name for change in group],
-        "verdict": result.verdict.value,
-        "named": sorted(effect.name for effect in result.effects),
-        "right": sorted(spec.kinds) == sorted(effect.name for effect in result.effects),
+        "verdict": verdict,
+        "named": named,
+        "right": sorted(spec.kinds) == named,
     }
 
 

@@ -28,7 +28,7 @@ __all__ = ["pulls_along_lines"]
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
-_STEP = 1.3  # from one frequency tried to the next: the half-power width of 13 % of critical
+_STEP = 0.3  # of a frequency to the next one tried: the half-power width of 13 % of critical
 
 
 def pulls_along_lines(
@@ -58,7 +58,7 @@ def pulls_along_lines(
         if at_line(ordinary, link, up, np.zeros(3)).key not in present
     ]
     band = np.concatenate([own.s_rad_s.imag for own in stage.lines]) / (2.0 * np.pi)
-    n = 1 + int(np.log(band.max() / band.min()) / np.log(_STEP))
+    n = 1 + int(np.log(band.max() / band.min()) / np.log1p(_STEP))
     tried_hz = np.geomspace(band.min(), band.max(), n)
     laws = [lambda s, w=2.0 * np.pi * f: law(s, w) for f in tried_hz]
     std = at_line(ordinary, links[0], up, np.zeros(3)).parameters[0].std if links else 0.0
