@@ -30,8 +30,6 @@ __all__ = [
 
 
 _PART_OF_GAIN = 0.1  # by which an axis may explain more than the joint on which it lies
-_MUCH_ELSE = 3.0  # times what independent errors of the assumed size would scatter
-_SLIGHT_PART = 0.02  # of a gain
 _LEFT = 0.2  # of a response
 
 
@@ -85,7 +83,7 @@ def judge(
     material = material or [r for r in clear if matters(stage, present, r, r.last, phi)]
     if not material:
         return nothing
-    best = _plainest(material, present, phi)
+    best = _plainest(material, present)
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
@@ -93,7 +91,6 @@ def judge(
         if r is not best
         and r.evidence - best.evidence < apart
         and not _same(best, r)
-        and not _at_an_end(r, best, phi)
         and not _is_no_more_than(r, best, apart, phi)
     ]
     if beside:
@@ -104,21 +101,10 @@ def judge(
     return replace(nothing, named=best, standing=(best,), confidence=1.0 / (1.0 + odds))
 
 
-def _plainest(material: Sequence[Fit], present: Fit, phi: float) -> Fit:
-    """The best; where that is an axis, the released joint on which it lies.
-
-    Or the bearing at an end of its link while much else is missing: what the axis, with more
-    parameters, is better by then, is of that.
-    """
+def _plainest(material: Sequence[Fit], present: Fit) -> Fit:
+    """The best; where that is an axis, the released joint on which it lies."""
     best = material[0]
-    gain = present.evidence - best.evidence
-    near = (
-        r
-        for r in material
-        if is_plainer(r, best, present)
-        or (_at_an_end(best, r, phi) and r.evidence - best.evidence < _SLIGHT_PART * gain)
-    )
-    return next(near, best)
+    return next((r for r in material if is_plainer(r, best, present)), best)
 
 
 def is_plainer(joint: Fit, axis: Fit, present: Fit) -> bool:
@@ -177,11 +163,6 @@ def _is_no_more_than(rival: Fit, best: Fit, apart: float, phi: float) -> bool:
     inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
     told = best.evidence - rival.evidence > apart
     return inside and not told and not is_material(rival, a, phi)
-
-
-def _at_an_end(inside: Fit, end: Fit, phi: float) -> bool:
-    """Whether one is at an end of the other, where it patches it, and much else is missing."""
-    return phi > _MUCH_ELSE and end.last.key in inside.last.at_its_ends
 
 
 def _is_also(one: Fit, other: Fit) -> bool:

@@ -164,9 +164,6 @@ def at_axis(
         describe=describe,
         alternatives=alternatives,
         is_also=is_also,
-        at_its_ends=tuple(
-            ("bearing", joint.name) for joint in ordinary.arm.joints[link : link + 2]
-        ),
         begins_at=moves,
         size=gamma,
         shapes=(*moves, part, spread) if before else moves,

@@ -113,7 +113,6 @@ class Instance:
     initial_values: InitialValues | None = None
     alternatives: Alternatives | None = None
     is_also: IsAlso | None = None
-    at_its_ends: tuple[tuple[str, str], ...] = ()  # keys of instances that patch it there
     begins_at: tuple[str, ...] = ()  # parameters that count from where a description puts it
     details: tuple[str, ...] = ()  # parameters of its form: in files, but not told to people
     size: str = ""  # the parameter that says how large

@@ -179,10 +179,7 @@ JOINTS = [
 ]
 # A hundred nats for any effect, rivals 20 apart: errors four times as large as independent ones.
 LIMITS = made_calibration()
-# Of independent errors.
-INDEPENDENT = made_calibration(apart=np.log(100.0))
 OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
-PRESENT = rival(coupling.WORDS, "before", 200_000.0)
 
 
 def test_what_stands_is_among_the_rivals_though_no_search_led_to_it():
@@ -196,34 +193,8 @@ def test_what_stands_is_among_the_rivals_though_no_search_led_to_it():
     assert rivals.with_standing(()) == (best, found)
 
 
-def judged(*rivals):
-    return judge(OF_1000, PRESENT, rivals, LIMITS)
-
-
 def axis(cost):
-    """An axis in the link between joints 1 and 2, whose bearings are at its ends."""
-    ends = (("bearing", "j1"), ("bearing", "j2"))
-    return with_changed(rival(link_axis.WORDS, "l1", cost), at_its_ends=ends)
-
-
-@pytest.mark.parametrize("joint", ["j1", "j2"])
-def test_while_much_else_is_missing_the_bearing_at_an_axis_s_end_is_the_name(joint):
-    # Errors four times as large as independent ones: the axis is better by 1 % of its gain.
-    bearing_ = rival(bearing.WORDS, joint, 51_500.0)
-    assert judged(axis(50_000.0), bearing_).named is bearing_
-
-
-def test_an_axis_that_explains_more_or_elsewhere_keeps_its_name():
-    best = axis(50_000.0)
-    assert judged(best, rival(bearing.WORDS, "j1", 54_500.0)).named is best
-    assert judged(best, rival(bearing.WORDS, "j0", 53_500.0)).named is best
-
-
-def test_where_nothing_else_is_missing_an_axis_keeps_its_name():
-    # 290 of 30 000 nats are no hundredth, but certain.
-    best, beside = axis(250.0), rival(bearing.WORDS, "j1", 290.0)
-    present = rival(coupling.WORDS, "before", 30_000.0)
-    assert judge(OF_1000, present, (best, beside), INDEPENDENT).named is best
+    return rival(link_axis.WORDS, "l1", cost)
 
 
 @pytest.mark.parametrize(("better", "stands"), [(10.0, False), (300.0, True)])
