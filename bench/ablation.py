@@ -5,9 +5,9 @@ the cases those of a maker. A case as it is comes first. Then all numbers are mo
 half of the cases and down in the others by a coin of each: where verdict and names stay, all of
 them are taken to change nothing in that case; where not, halves are moved, down to the number that
 does it alone. Two that cancel each other in every case would be missed. A change that has been
-found in three cases is not looked for in further ones. A number is deleted where no verdict and no
-name changes, explained where many do. One line of JSON a run is kept: what was stopped goes on
-where it was. A table of the numbers ends it.
+found in three cases is not looked for in further ones. A rule whose numbers change no verdict and
+no name is one to take out; conventions and sizes of the search should change none. One line of JSON
+a run is kept: what was stopped goes on where it was. A table of the numbers ends it.
 
     python bench/ablation.py --out FOLDER --maker frame --nulls 50 --effects 50
     python bench/ablation.py --list

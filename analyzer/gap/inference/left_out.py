@@ -20,10 +20,13 @@ one fit; here the factors that are left out are whole postures, and quadratic.
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 
 __all__ = ["left_out"]
+
+Array = npt.NDArray[np.float64]
 
 
 def left_out(stage: Stage, fit: Fit) -> dict[str, float]:
@@ -56,7 +59,7 @@ def left_out(stage: Stage, fit: Fit) -> dict[str, float]:
     return surprise
 
 
-def _log_density(curvature: np.ndarray, slope: np.ndarray) -> float:
+def _log_density(curvature: Array, slope: Array) -> float:
     """Log of the integral of exp(-slope'x - x'curvature x / 2), up to a constant."""
     return 0.5 * float(slope @ np.linalg.solve(curvature, slope)) - 0.5 * float(
         np.linalg.slogdet(curvature)[1]
