@@ -20,9 +20,7 @@ WORDS = EffectWords(
     changes="servo, rotor, transmission, link in a row: one more freedom behind the joint's spring",
     signature="a joint that is softer below the rotor's frequency than above; a good fit hides it",
     confused_with=("rotor",),
-    # False names came on one peak of one posture, brought by two to four mountings; true ones by 9
-    # to 21.
-    least_shared=6.0,
+    least_shared=6.0,  # mountings' worth; a peak of one posture is brought by two to four
     told_by="brakes on against servo; a posture in which the joint carries little inertia",
     remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
 )

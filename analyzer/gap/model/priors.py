@@ -61,7 +61,8 @@ INTERFACE_FACTOR_MEAN, INTERFACE_FACTOR_STD = 0.032, 0.035
 JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07
 
 # By which power of frequency that loss grows: an even draw between none, as of rubber, and the
-# first, a dashpot's. A loss that grows stiffens the drive, by more than one that does not.
+# first, a dashpot's. No sum of a dashpot and a loss that does not grow both loses and stiffens as
+# one does that grows.
 LOSS_POWER_MEAN, LOSS_POWER_STD = 0.5, 1.0 / math.sqrt(12.0)
 
 # Across a joint's axis, as parts of its drive's compliance; more is an effect. No source: assumed.
