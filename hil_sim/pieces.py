@@ -18,26 +18,29 @@ Array = npt.NDArray[np.float64]
 def sliced(
     assembly: Assembly,
     link: str,
-    ends_m: tuple[Array, Array],
+    line_m: tuple[Array, Array, Array],
     directions: tuple[Array, ...],
     springs: Sequence[Sequence[Spring]],
     word: str,
 ) -> Assembly:
     """Cut a link in the middles of equal lengths by a hinge along each direction.
 
-    `springs` of each cut, one a direction.
+    `line_m` has both ends and the bow: the line is a parabola between its ends, and hinges turn
+    with it. `springs` of each cut, one a direction.
     The pieces at both ends are half as long and heavy as the others. Straight, they have together
     the mass, centre and inertia of the link. A test point rides on the piece it stands beside.
     """
     near = assembly.carrier_of(link)
-    start, end = ends_m
+    start, end, bow = line_m
     length, cuts = float(np.linalg.norm(end - start)), len(springs)
     axis = (end - start) / length
     parts = _parts(near.inertial(), axis, length, cuts)
     assembly = assembly.replaced(near.loaded(parts[0]))
     at = near.label
     for i in range(1, cuts + 1):
-        place = start + (end - start) * (i - 0.5) / cuts
+        part = (i - 0.5) / cuts
+        place = start + (end - start) * part + 4.0 * part * (1.0 - part) * bow
+        turned = _turned(axis, axis + 4.0 * (1.0 - 2.0 * part) * bow / length)
         before = tuple(
             name
             for name, (on, position) in assembly.points.items()
@@ -50,7 +53,7 @@ def sliced(
                 at,
                 label,
                 hinge_m=place,
-                axis=direction,
+                axis=turned @ direction,
                 spring=springs[i - 1][way],
                 before=parts[i - 1] if way == 0 else Inertial(),
                 after=parts[i] if is_last else Inertial(),
@@ -58,6 +61,13 @@ def sliced(
             )
             at = label
     return assembly
+
+
+def _turned(start: Array, end: Array) -> Array:
+    """(3, 3) the least rotation that takes one unit direction to another's."""
+    end = end / np.linalg.norm(end)
+    by = skew(np.cross(start, end))
+    return np.asarray(np.eye(3) + by + by @ by / (1.0 + float(start @ end)))
 
 
 def slice_label(word: str, cut: int, way: int, link: str) -> str:

@@ -31,12 +31,14 @@ class SlicedLink(BaseEffect):
     """A link as rigid pieces along a line, each hinged to the one before it.
 
     A stiffness per length is spread over n cuts, stiffness n / L each, in the middles of n equal
-    lengths. `softness` tells how much of the whole yield each cut has, where not all have alike.
+    lengths. The line may bow: a parabola whose middle stands `bow_m` beside that of its ends.
+    `softness` tells how much of the whole yield each cut has, where not all have alike.
     """
 
     link: str
     from_m: Vector
     to_m: Vector
+    bow_m: Vector = (0.0, 0.0, 0.0)
     cuts: Annotated[int, Field(ge=1, le=12)] = 3
     softness: tuple[Positive, ...] = ()
     loss: NotNegative  # damping / stiffness, s
@@ -64,11 +66,12 @@ class SlicedLink(BaseEffect):
     ) -> Assembly:
         """Cut the link again and again, by a hinge along each direction, each with its own."""
         start, end = np.array(self.from_m), np.array(self.to_m)
+        bow = np.array(self.bow_m)
         whole_k = np.array(stiffnesses_n_m2) / float(np.linalg.norm(end - start))
         softness = np.array(self.softness or np.ones(self.cuts))
         each_k = np.outer(softness.sum() / softness, whole_k)
         springs = [[Spring(k=k, c=k * self.loss) for k in cut] for cut in each_k.tolist()]
-        return sliced(assembly, self.link, (start, end), directions, springs, word)
+        return sliced(assembly, self.link, (start, end, bow), directions, springs, word)
 
 
 def slices_of_file(
@@ -102,6 +105,7 @@ def slices_of_file(
         "link": link,
         "from_m": tuple(own.turned[link] @ start),
         "to_m": tuple(own.turned[link] @ end),
+        "bow_m": tuple(own.turned[link] @ three(told.get("bow_m", (0.0, 0.0, 0.0)))),
         "cuts": _CUTS_OF_FILE,
         "softness": tuple(softness.tolist()),
         "loss": own.sizes.get(f"{kind}_loss", 0.0),

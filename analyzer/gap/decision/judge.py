@@ -78,9 +78,9 @@ def judge(
         if present.evidence - r.evidence > calibration.limit(r.last.effect.name)
         and is_shared(stage, present, r)
     ]
-    material = [r for r in clear if is_material(r, r.last, phi)]
-    # What is small as such, but most of what is missing, where nothing larger is clear.
-    material = material or [r for r in clear if matters(stage, present, r, r.last, phi)]
+    # What is far behind has no name for being larger, but may leave it open.
+    leading = [r for r in clear if r.evidence - clear[0].evidence < apart]
+    material = _material(stage, present, leading, phi) or _material(stage, present, clear, phi)
     if not material:
         return nothing
     best = _plainest(material, present)
@@ -91,7 +91,7 @@ def judge(
         if r is not best
         and r.evidence - best.evidence < apart
         and not _same(best, r)
-        and not _is_no_more_than(r, best, apart, phi)
+        and not _is_no_more_than(stage, r, best, apart, phi)
     ]
     if beside:
         return replace(nothing, standing=(best, *beside))
@@ -99,6 +99,13 @@ def judge(
     others = [r for r in others if r.evidence > best.evidence]
     odds = sum(calibration.odds(r.evidence - best.evidence) for r in (present, *others))
     return replace(nothing, named=best, standing=(best,), confidence=1.0 / (1.0 + odds))
+
+
+def _material(stage: Stage, present: Fit, clear: Sequence[Fit], phi: float) -> list[Fit]:
+    """Those large enough, or where none is, those that are most of what is missing."""
+    n_postures = len({lines.name for lines in stage.lines})
+    large = [r for r in clear if is_material(r, r.last, n_postures, phi)]
+    return large or [r for r in clear if matters(stage, present, r, r.last, phi)]
 
 
 def _plainest(material: Sequence[Fit], present: Fit) -> Fit:
@@ -157,12 +164,13 @@ def ends_alike(one: Instance, other: Instance) -> bool:
     return one.place.split(" and ")[-1] == other.place.split(" and ")[-1]
 
 
-def _is_no_more_than(rival: Fit, best: Fit, apart: float, phi: float) -> bool:
+def _is_no_more_than(stage: Stage, rival: Fit, best: Fit, apart: float, phi: float) -> bool:
     """Whether a rival holds the best inside it, and nothing else that matters or is told."""
     a, b = rival.last, best.last
     inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
     told = best.evidence - rival.evidence > apart
-    return inside and not told and not is_material(rival, a, phi)
+    n_postures = len({lines.name for lines in stage.lines})
+    return inside and not told and not is_material(rival, a, n_postures, phi)
 
 
 def _is_also(one: Fit, other: Fit) -> bool:

@@ -33,6 +33,7 @@ WORDS = EffectWords(
     confused_with=("bearing", "released_joint", "base", "link_bending", "link_torsion"),
     told_by="triplets of points on both sides of the line; postures that move the masses beyond it",
     remedy="look for a soft casting, a loose flange or a gear housing on its bolts along that line",
+    some_is_ordinary=True,
     one_with=("friction", "microslip", "softening", "backlash"),
     separate_minima=True,
     one_such_as="a crack or a bolt in the link that opens under one sign of load",

@@ -15,6 +15,8 @@ WORDS = EffectWords(
     changes="hinges both ways across the link's line, its bending stiffness spread over them",
     signature="points along the link turn more the further out they sit, in two planes",
     confused_with=("link_axis", "bearing", "released_joint"),
+    covers_here=("link_axis",),  # what its form leaves looks like one
+    some_is_ordinary=True,
     told_by="points at three places along the link; hits along two directions across it",
     remedy="take the link as a beam: its section's bending stiffness over its length",
 )

@@ -15,6 +15,8 @@ WORDS = EffectWords(
     changes="hinges about the link's line, its torsional stiffness spread over them",
     signature="points along the link turn about its line, the more the further out they sit",
     confused_with=("link_axis", "released_joint"),
+    covers_here=("link_axis",),  # what its form leaves looks like one
+    some_is_ordinary=True,
     told_by="points off the line at three places along the link; a posture bent beyond it",
     remedy="take the link as a tube: its section's torsional stiffness over its length",
 )

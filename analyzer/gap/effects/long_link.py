@@ -80,10 +80,11 @@ def given_way(
                 assembly.motion_of.setdefault(name, []).append((at, moved))
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
-        """Ends of the line, and about which direction across it is softest; link's frame."""
+        """Ends and bow of the line, and about which direction it is softest; link's frame."""
         start, end = yielding.ends(values)
         name = ordinary.arm.joints[line.link].link.name
         told: dict[str, object] = {"link": name, "from_m": start.tolist(), "to_m": end.tolist()}
+        told["bow_m"] = yielding.bow_m(values).tolist()
         if bends:
             directions, yields = yielding.softest(values)
             told["softest_about"] = directions[:, 0].tolist()

@@ -1,8 +1,9 @@
 """The line along which a long link gives way: where it lies, and how easily about each direction.
 
-It is near the line that is believed: off it and turned by a little, both ways across. A link that
-bends has two hinges at each place. Of its yield about directions across, a symmetric 2 x 2 matrix,
-they are the columns of Cholesky's factor: one stands as it is, the other leans towards it.
+It is near the line that is believed: off it, turned and bowed by a little, both ways across. A
+link that bends has two hinges at each place. Of its yield about directions across, a symmetric
+2 x 2 matrix, they are the columns of Cholesky's factor: one stands as it is, the other leans
+towards it.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ Array = npt.NDArray[np.float64]
 _ASIDE_STD_M = 0.03  # of the line, across it
 # Of it about its middle: further it is another line, as an axis is no twist (`link_axis`).
 _TURN_STD_RAD, _TURN_MOST_RAD = 0.1, 0.2
+# By how much it bows, of its length: a casting with an elbow of 40 degrees in its middle does.
+_BOW_STD = 0.09
 # ln of the softness about one direction across over that about the other: of a thin box, 0.63 as
 # wide as high.
 _FLAT_STD = 0.7
@@ -46,8 +49,8 @@ class YieldingLine:
 
     @property
     def moving(self) -> tuple[str, ...]:
-        """Return the names of what moves hinges: two shifts, two turns, a lean where it bends."""
-        return (*self._aside, *self._turn, *self._shape[1:])
+        """Return what moves hinges: shifts, turns, bows, two each, and a lean where it bends."""
+        return (*self._aside, *self._turn, *self._bow, *self._shape[1:])
 
     @property
     def sharing(self) -> tuple[str, ...]:
@@ -59,6 +62,7 @@ class YieldingLine:
         """Return all of them."""
         of = [(name, "m", _ASIDE_STD_M, np.inf) for name in self._aside]
         of += [(name, "rad", _TURN_STD_RAD, _TURN_MOST_RAD) for name in self._turn]
+        of += [(name, "", _BOW_STD, np.inf) for name in self._bow]
         shape = zip(self._shape, (_FLAT_STD, LEAN_STD), strict=False)
         of += [(name, "", std, np.inf) for name, std in shape]
         return tuple(
@@ -69,11 +73,13 @@ class YieldingLine:
     def hinge(self, values: Mapping[str, float], s_m: float, number: int) -> tuple[Array, Array]:
         """Return the twist (6,) of a hinge at s, linear first, and its slopes (k, 6) by `moving`.
 
-        To first order in the turn.
+        To first order in the turn and the bow, a parabola between its ends.
         """
-        off, tilt = self._moved(values)
+        off, turn, bow = self._moved(values)
         beside, along = across(self.line.along).T, self.line.along
-        arm = s_m - 0.5 * self.line.length_m
+        arm, length = s_m - 0.5 * self.line.length_m, self.line.length_m
+        bowed, by_bow = length - 4.0 * arm**2 / length, -8.0 * arm / length
+        tilt = turn + by_bow * bow
         u, by_turn = along + tilt @ beside, beside
         leans = []
         if self.bends:  # about directions that stay across
@@ -81,12 +87,13 @@ class YieldingLine:
             sides = np.array([[1.0, 0.0], [lean, 1.0]])[number]
             u, by_turn = sides @ beside - (sides @ tilt) * along, -np.outer(sides, along)
             leans = [number * (beside[0] - tilt[0] * along)]
-        p = self.line.start_m + s_m * along + (off + arm * tilt) @ beside
+        p = self.line.start_m + s_m * along + (off + arm * turn + bowed * bow) @ beside
         levers = np.cross(beside, u)
         by_aside = np.hstack([levers, np.zeros((2, 3))])
-        turned = np.hstack([arm * levers + np.cross(p, by_turn), by_turn])
+        by_tilt = np.hstack([np.cross(p, by_turn), by_turn])
+        moved = [*by_aside, *(arm * by_aside + by_tilt), *(bowed * by_aside + by_bow * by_tilt)]
         leant = [np.concatenate([np.cross(p, change), change]) for change in leans]
-        return np.concatenate([np.cross(p, u), u]), np.array([*by_aside, *turned, *leant])
+        return np.concatenate([np.cross(p, u), u]), np.array([*moved, *leant])
 
     def shares(self, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Return the part (n,) of a place's yield that each hinge has, and slopes (k, n).
@@ -105,12 +112,17 @@ class YieldingLine:
 
     def ends(self, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Return its root and tip, each (3,)."""
-        off, tilt = self._moved(values)
+        off, tilt, _ = self._moved(values)
         beside = across(self.line.along)
         middle = self.line.start_m + 0.5 * self.line.length_m * self.line.along + beside @ off
         along = self.line.along + beside @ tilt
         half = 0.5 * self.line.length_m * along / np.linalg.norm(along)
         return middle - half, middle + half
+
+    def bow_m(self, values: Mapping[str, float]) -> Array:
+        """Return by how much its middle stands beside the line of its ends, (3,)."""
+        *_, bow = self._moved(values)
+        return np.asarray(self.line.length_m * across(self.line.along) @ bow)
 
     def softest(self, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Return directions (3, n) about which it gives way, softest first, and yields (n,).
@@ -118,7 +130,9 @@ class YieldingLine:
         Two across, whose yields are two together, or the line.
         """
         shares, _ = self.shares(values)
-        u = np.stack([self.hinge(values, 0.0, i)[0][3:] for i in range(self.n_hinges)])
+        u = np.stack(
+            [self.hinge(values, 0.5 * self.line.length_m, i)[0][3:] for i in range(self.n_hinges)]
+        )
         yields, directions = np.linalg.eigh((u.T * shares) @ u)
         at = slice(None, -self.n_hinges - 1, -1)
         return directions[:, at], yields[at]
@@ -132,13 +146,18 @@ class YieldingLine:
         return self._names("turn a", "turn b")
 
     @property
+    def _bow(self) -> tuple[str, ...]:
+        return self._names("bow a", "bow b")
+
+    @property
     def _shape(self) -> tuple[str, ...]:
         return self._names("flat", "lean") if self.bends else ()
 
     def _names(self, *what: str) -> tuple[str, ...]:
         return tuple(f"{self.word} {one} {self.line.name}" for one in what)
 
-    def _moved(self, values: Mapping[str, float]) -> tuple[Array, Array]:
-        """(2,) off the line believed, and by what it is turned."""
-        off, tilt = (np.array([values[name] for name in of]) for of in (self._aside, self._turn))
-        return off, tilt
+    def _moved(self, values: Mapping[str, float]) -> tuple[Array, Array, Array]:
+        """(2,) off the line believed, by what it is turned, and by what it bows."""
+        of_each = (self._aside, self._turn, self._bow)
+        off, turn, bow = (np.array([values[name] for name in of]) for of in of_each)
+        return off, turn, bow

@@ -47,6 +47,7 @@ class EffectWords:
     one_such_as: str = ""  # what both together may be instead
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
+    some_is_ordinary: bool = False  # a sound arm has some of it: the name is for what is more
     least_shared: float = 0.0  # mountings that must bring it: fewer may be badly aimed hits
     own_candidates: bool = False  # a look of its own seeks it: the common one finds it too late
     separate_minima: bool = (

@@ -68,7 +68,7 @@ def all_candidates(
         if not same or candidate.instance.effect.separate_minima:
             same.append(candidate)
     every = [c for group in best.values() for c in group if c.instance.key not in taken]
-    return sorted(every, key=lambda c: -c.gain)
+    return sorted((c for c in every if goes_with(c.instance, hypothesis)), key=lambda c: -c.gain)
 
 
 def goes_with(instance: Instance, present: Hypothesis) -> bool:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from support.made_calibration import made_calibration
-from support.made_gap_fits import made_fit
+from support.made_gap_fits import made_fit, made_words
 
 from armodal.analyzer.gap.decision import added_effect
 from armodal.analyzer.gap.decision.added_effect import Step, beside_rivals, with_step
@@ -18,6 +18,15 @@ from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search import rivals
 
+
+class Lines(str):
+    """A stage, by its name; of its lines none is asked for."""
+
+    __slots__ = ()
+    lines = ()
+
+
+STAGES = tuple(Lines(name) for name in ("widest", "broad", "middle", "sharp"))
 ORDINARY = SimpleNamespace(arm=SimpleNamespace(joints=()))
 SPACE = Space(
     [Parameter(name=name, unit="", mean=0.0, std=1e-6) for name in ("ordinary", "axis l1")]
@@ -53,7 +62,7 @@ def plain(monkeypatch):
 
 
 def test_a_turn_that_joins_one_of_the_arm_file_is_still_named(plain, monkeypatch):
-    words = SimpleNamespace(name="swapped_axes", title="")
+    words = made_words("swapped_axes")
     of_file, found, both = (Instance(effect=words, place=p) for p in ("one", "two", "both"))
     monkeypatch.setattr(
         sensor_axes, "together", lambda _, a, b: both if (a, b) == (of_file, found) else None
@@ -64,7 +73,7 @@ def test_a_turn_that_joins_one_of_the_arm_file_is_still_named(plain, monkeypatch
 
 
 def test_a_turn_that_joins_an_earlier_one_stands_in_its_step(plain, monkeypatch):
-    words = SimpleNamespace(name="swapped_axes", title="")
+    words = made_words("swapped_axes")
     before, found, both = (Instance(effect=words, place=p) for p in ("one", "two", "both"))
     monkeypatch.setattr(
         sensor_axes, "together", lambda _, a, b: both if (a, b) == (before, found) else None
@@ -87,15 +96,12 @@ def test_an_axis_of_the_arm_file_is_not_swapped_for_what_it_may_stand_for(plain)
 
     def fit_and_names(*instances):
         fit = fit_to(Hypothesis(ordinary=None, instances=instances), cost=200.0)
-        found, named = with_step([None], [], step_to(fit), {}, [])
+        found, named = with_step(STAGES[-1:], [], step_to(fit), {}, [])
         return found.hypothesis.instances, [step.fit.last for step in named]
 
     assert fit_and_names(axis, other) == ((axis, other), [other])
     # One that was named is: the same axis, as the last of its step.
     assert fit_and_names(other, axis) == ((other, released), [released])
-
-
-STAGES = ("widest", "broad", "middle", "sharp")
 
 
 @pytest.mark.parametrize(
@@ -116,10 +122,7 @@ def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_at_a_limi
 
     for module in (added_effect, rivals):
         monkeypatch.setattr(module, "fit_hypothesis", fitted)
-    payload, rotor = (
-        Instance(effect=SimpleNamespace(name=name, title=""), place="")
-        for name in ("body", "rotor")
-    )
+    payload, rotor = (Instance(effect=made_words(name), place="") for name in ("body", "rotor"))
     ended = replace(fit_of(payload, rotor), u=np.array([off, 1.0]))
     begin = {"body": 3.0}
     fit, named = with_step(STAGES, [], step_to(ended), begin, [])
@@ -130,7 +133,7 @@ def test_a_name_beside_another_begins_from_nothing_where_its_fit_ended_at_a_limi
 
 
 def test_a_name_alone_never_begins_again(plain):
-    alone = Instance(effect=SimpleNamespace(name="body", title=""), place="")
+    alone = Instance(effect=made_words("body"), place="")
     ended = replace(fit_of(alone), u=np.array([6.0, 1.0]))
     fit, _ = with_step(STAGES, [], step_to(ended), {}, [])
     assert fit is ended
@@ -144,9 +147,7 @@ def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_ke
         return fit_to(hypothesis, 100.0 + gain * made_calibration().limit("one"))
 
     monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
-    one, two = (
-        Instance(effect=SimpleNamespace(name=name, title=name), place="") for name in ("one", "two")
-    )
+    one, two = (Instance(effect=made_words(name, title=name), place="") for name in ("one", "two"))
     earlier = [step_to(fit_of(one))]
     fit, named = with_step(STAGES, earlier, step_to(fit_of(one, two)), {}, notes)
     assert fit.hypothesis.instances == ((one, two) if is_kept else (two,))
@@ -158,7 +159,7 @@ def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_ke
 
 def test_a_rival_takes_the_name_where_mountings_err_as_the_better_model_foretells(monkeypatch):
     """One that was let go while the effect was missing is right once its mountings are allowed."""
-    words = SimpleNamespace(name="made", title="")
+    words = made_words("made")
     axis, joint, third = (Instance(effect=words, place=p) for p in ("axis", "joint", "third"))
     cost = {"axis": 100.0, "joint": 80.0, "third": 90.0}
 
@@ -184,7 +185,7 @@ def test_what_holds_the_name_inside_it_takes_it_only_where_the_rest_is_large_eno
     size, is_taken, monkeypatch
 ):
     """Wrist gears beside the joint they drive: a ratio of nearly nothing is nearer all the same."""
-    words = SimpleNamespace(name="made", title="")
+    words = made_words("made")
     joint = Instance(effect=words, place="joint", size="ordinary")
     gears = Instance(effect=words, place="gears", size="axis l1", material=0.5e-6)
 
@@ -200,7 +201,7 @@ def test_what_holds_the_name_inside_it_takes_it_only_where_the_rest_is_large_eno
 def test_an_axis_that_lies_on_the_named_joint_takes_its_name_only_by_much(
     behind, is_taken, monkeypatch
 ):
-    plain, askew = (SimpleNamespace(name=name, title="") for name in ("joint", "axis"))
+    plain, askew = (made_words(name) for name in ("joint", "axis"))
     joint = Instance(effect=plain, place="joint")
     axis = Instance(effect=askew, place="axis", is_also=lambda _values, other: other is joint)
 

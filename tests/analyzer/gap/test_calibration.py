@@ -22,7 +22,7 @@ from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search.replicas import Gains
 
 KINDS = {"much": 40.0, "some": 12.0, "little": 8.0}  # nats, scale of what chance brings
-OF_100 = SimpleNamespace(weighings=[SimpleNamespace(n=100)])  # a stage, by its residuals
+OF_100 = SimpleNamespace(weighings=[SimpleNamespace(n=100)], lines=())  # a stage, by its residuals
 NOTHING = made_fit(Hypothesis(ordinary=None), cost=100.0)
 
 
@@ -190,14 +190,14 @@ def with_effect(cost, *, size=1.0):
     """A fit with an effect that matters beyond 0.1."""
     sized = Parameter(name="size", unit="", mean=0.0, std=1.0)
     own = Instance(
-        effect=SimpleNamespace(name="much"),
+        effect=SimpleNamespace(name="much", some_is_ordinary=False),
         place="",
         parameters=(sized,),
         size="size",
         material=0.1,
     )
     hypothesis = Hypothesis(ordinary=None, instances=(own,))
-    return made_fit(hypothesis, cost=cost, space=Space([sized]), u=[size])
+    return made_fit(hypothesis, cost=cost, space=Space([sized]), u=[size], resting=["size"])
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from armodal.analyzer.gap.model.geometry import GeometryNear, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links, span_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.search.candidates import goes_with
 from armodal.hil_sim.study import study_arm
 from armodal.protocols.arm.files import load_arm
 
@@ -356,3 +357,16 @@ def test_a_link_that_twists_may_be_an_axis_in_it_with_each_of_its_first_points_b
     for own, (axis, at) in zip(told, axes, strict=True):
         assert at[axis.size] == pytest.approx(2e-5 * line.length_m, rel=1e-12)
         assert np.linalg.norm(np.cross(own["direction"], line.along)) < 1e-9
+
+
+def test_beside_a_link_that_gives_way_along_a_line_no_axis_of_it_is_looked_for(ordinary):
+    every = all_instances(ordinary)
+    for name in ("link_bending", "link_torsion"):
+        link = next(i for i in every if i.effect.name == name)
+        present = Hypothesis(ordinary=ordinary, instances=(link,))
+        numbers = {joint.link.name: n for n, joint in enumerate(ordinary.arm.joints)}
+        axes = {
+            own: link_axis.at_axis(ordinary, n, np.eye(3)[0], np.zeros(3))
+            for own, n in numbers.items()
+        }
+        assert {own for own, axis in axes.items() if not goes_with(axis, present)} == {link.place}

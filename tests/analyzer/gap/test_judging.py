@@ -95,7 +95,7 @@ def test_an_effect_beyond_the_most_that_are_looked_for_is_not_what_the_verdict_r
     """Else what it explains would count as explained, and nobody would be told."""
     notes = []
     present, better = rival(link_axis.WORDS, "l1", 1e4), rival(bearing.WORDS, "j0", 5e3)
-    stage = SimpleNamespace(weighings=[SimpleNamespace(n=40000)])
+    stage = SimpleNamespace(weighings=[SimpleNamespace(n=40000)], lines=())
     found = Rivals(present=present, rivals=(better,))
 
     assert judge_round(stage, found, LIMITS, 2, 3, notes).named is better
@@ -170,7 +170,7 @@ def rival(words, place, cost):
     ordinary = SimpleNamespace(arm=arm, level_span=0.0, levels_hit=True)
     instance = Instance(effect=words, place=place, parameters=(size,), size="size", material=0.1)
     hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
-    return made_fit(hypothesis, cost=cost, space=Space([size]), u=[1.0])
+    return made_fit(hypothesis, cost=cost, space=Space([size]), u=[1.0], resting=["size"])
 
 
 JOINTS = [
@@ -179,7 +179,7 @@ JOINTS = [
 ]
 # A hundred nats for any effect, rivals 20 apart: errors four times as large as independent ones.
 LIMITS = made_calibration()
-OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
+OF_1000 = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=())
 
 
 def test_what_stands_is_among_the_rivals_though_no_search_led_to_it():
@@ -197,14 +197,23 @@ def axis(cost):
     return rival(link_axis.WORDS, "l1", cost)
 
 
-@pytest.mark.parametrize(("better", "stands"), [(10.0, False), (300.0, True)])
-def test_what_holds_the_best_inside_it_stands_beside_it_where_that_is_told(better, stands):
-    inside = rival(released_joint.WORDS, "j2", 1000.0)
-    around = rival(wrist_coupling.WORDS, "j1 and j2", 1000.0 - better)
+@pytest.mark.parametrize(("left", "is_most"), [(900.0, True), (1500.0, False)])
+@pytest.mark.parametrize(("better", "is_told"), [(10.0, False), (300.0, True)])
+def test_what_holds_the_best_inside_it_takes_its_name_where_that_is_told(
+    left, is_most, better, is_told
+):
+    """If it is most of what is missing; else both stand."""
+    inside = rival(released_joint.WORDS, "j2", left + better)
+    around = rival(wrist_coupling.WORDS, "j1 and j2", left)
     small = replace(around, u=np.array([0.05]))  # a turn back that is too small to matter
     found = judge(OF_1000, rival(coupling.WORDS, "before", 2000.0), (small, inside), LIMITS)
-    assert (found.named is None) == stands
-    assert (small in found.standing) == stands
+    if not is_told:
+        assert found.standing == (inside,)
+    elif is_most:
+        assert found.standing == (small,)
+    else:
+        assert found.standing == (inside, small)
+    assert found.named is (None if len(found.standing) > 1 else found.standing[0])
 
 
 @pytest.mark.parametrize(("left", "is_named"), [(0.4, True), (0.6, False)])
@@ -214,9 +223,10 @@ def test_what_is_small_is_named_where_it_explains_most_of_what_is_missing(left, 
     assert not small.last.is_material(small.values)
     present = rival(coupling.WORDS, "before", 2000.0)
     assert (judge(OF_1000, present, [small], LIMITS).named is small) == is_named
-    # Beside something large that is clear too it is no name of its own.
+    # Something large that is clear too, but far behind, takes no name from it and none beside it.
     large = rival(bearing.WORDS, "j1", 1500.0)
-    assert judge(OF_1000, present, [small, large], LIMITS).named is None
+    assert (judge(OF_1000, present, [small, large], LIMITS).named is small) == is_named
+    assert judge(OF_1000, present, [small, large], LIMITS).named is not large
 
 
 @pytest.mark.parametrize(("behind", "is_joint"), [(50.0, True), (150.0, False)])

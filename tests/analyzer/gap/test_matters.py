@@ -23,7 +23,7 @@ from armodal.protocols.arm.files import load_arm
 )
 def test_a_small_effect_matters_where_a_joint_would_be_told_wrongly_without_it(std, moved, told):
     """By a twentieth, and beyond the interval that it has without."""
-    stage = SimpleNamespace(weighings=[SimpleNamespace(n=1000)])
+    stage = SimpleNamespace(weighings=[SimpleNamespace(n=1000)], lines=())
     space = Space([Parameter(name="ln k j", unit="", mean=9.0, std=std)])
     hypothesis = Hypothesis(ordinary=None)
     small = Instance(effect=nonproportional.WORDS, place="floor and l", size="d", material=1.0)
@@ -40,10 +40,11 @@ _TOGETHER = ((0.5, 0.5), (-0.5, 0.5))  # the sum, and the difference
 @pytest.mark.parametrize(
     ("shifts_m", "ways", "stds_m", "is_told"),
     [
-        ((0.022, 0.010), _APART, (0.08, 0.002), False),  # 2 cm along a way that no hit tells
-        ((0.022, 0.010), _APART, (0.004, 0.002), True),
-        ((0.022, 0.022), _APART, (0.08, 0.08), False),
-        ((0.022, 0.022), _TOGETHER, (0.002, 0.08), True),  # neither told alone, but their sum is
+        ((0.030, 0.010), _APART, (0.08, 0.002), False),  # 3 cm along a way that no hit tells
+        ((0.030, 0.010), _APART, (0.004, 0.002), True),  # 22 mm or more
+        ((0.030, 0.010), _APART, (0.006, 0.002), False),  # 18 mm or more
+        ((0.030, 0.030), _APART, (0.08, 0.08), False),
+        ((0.026, 0.026), _TOGETHER, (0.002, 0.08), True),  # neither told alone, but their sum is
         ((0.060, -0.040), _TOGETHER, (0.002, 0.08), False),  # of which the sum is 2 cm
     ],
 )
@@ -61,7 +62,7 @@ def test_what_the_data_do_not_tell_of_a_size_in_several_parts_makes_it_no_larger
         made_fit(Hypothesis(ordinary=None), cost=1.0, space=Space(parameters), u=shifts_m),
         curvature=W.T @ np.diag(1.0 / np.square(stds_m)) @ W,
     )
-    assert is_material(fit, off, 1.0) is is_told
+    assert is_material(fit, off, 1, 1.0) is is_told
 
 
 def test_what_is_a_part_of_a_drive_is_one_of_the_drive_as_it_is():

@@ -90,10 +90,34 @@ def test_a_line_that_lies_elsewhere_has_its_hinges_there(bends):
 
 
 @pytest.mark.parametrize("bends", [True, False])
+def test_a_line_that_bows_has_its_hinges_along_a_parabola(bends):
+    """Each across the tangent, or along it; to first order in the bow, a hundredth."""
+    bowed = line_of(bends)
+    values = values_of(bowed, bow_a=0.006, bow_b=-0.008)
+    start, end = bowed.ends(values)
+    np.testing.assert_allclose(start, LINE.start_m)
+    np.testing.assert_allclose(end, LINE.start_m + LINE.length_m * LINE.along)
+    bow_m = bowed.bow_m(values)
+    assert np.linalg.norm(bow_m) == pytest.approx(0.01 * LINE.length_m)
+    for way in range(bowed.n_hinges):
+        for s in (0.0, *LINE.places_m, LINE.length_m):
+            part = s / LINE.length_m
+            place = start + part * (end - start) + 4.0 * part * (1.0 - part) * bow_m
+            tangent = LINE.along + 4.0 * (1.0 - 2.0 * part) * bow_m / LINE.length_m
+            twist, _ = bowed.hinge(values, s, way)
+            if bends:
+                assert abs(twist[3:] @ tangent) < 1e-12
+            else:
+                np.testing.assert_allclose(twist[3:], tangent, atol=1e-12)
+            np.testing.assert_allclose(twist[:3], np.cross(place, twist[3:]), atol=1e-12)
+
+
+@pytest.mark.parametrize("bends", [True, False])
 def test_hinges_follow_the_line_by_their_slopes(bends):
     """Central differences of 1e-6: products of two parameters leave 1e-12."""
     moved = line_of(bends)
     told = {"aside_a": 0.02, "aside_b": -0.03, "turn_a": 0.1, "turn_b": -0.2, "lean": 0.3}
+    told |= {"bow_a": 0.08, "bow_b": -0.05}
     values, s, step = values_of(moved, **told), LINE.places_m[1], 1e-6
     for way in range(moved.n_hinges):
         _, slopes = moved.hinge(values, s, way)
