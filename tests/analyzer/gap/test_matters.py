@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from support.made_gap_fits import made_fit
+from support.made_gap_fits import made_fit, made_words
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.decision.matters import is_material, matters
@@ -63,6 +63,25 @@ def test_what_the_data_do_not_tell_of_a_size_in_several_parts_makes_it_no_larger
         curvature=W.T @ np.diag(1.0 / np.square(stds_m)) @ W,
     )
     assert is_material(fit, off, 1, 1.0) is is_told
+
+
+@pytest.mark.parametrize(("some_is_ordinary", "is_told"), [(False, True), (True, False)])
+def test_what_every_arm_has_some_of_is_large_whatever_its_shape(some_is_ordinary, is_told):
+    """Three, where two are material: 0.3 either way in one shape, 1.5 over all of them."""
+    parameters = [Parameter(name=name, unit="", mean=0.0, std=1.0) for name in ("much", "where")]
+    words = replace(made_words("made"), some_is_ordinary=some_is_ordinary)
+    soft = Instance(effect=words, place="", size="much", shapes=("where",), material=2.0)
+    in_one, over_all = 0.3 / 1.96, 1.5 / 1.96
+    # Of a covariance with over_all^2 for the size, and in_one^2 once the shape, of 0.7, is given.
+    covariance = np.array([[over_all**2, np.sqrt(over_all**2 - in_one**2) * 0.7], [0.0, 0.7**2]])
+    covariance[1, 0] = covariance[0, 1]
+    fit = replace(
+        made_fit(Hypothesis(ordinary=None), cost=1.0, space=Space(parameters), u=(3.0, 0.0)),
+        curvature=np.linalg.inv(covariance) - np.eye(2),  # the priors' is counted besides
+    )
+    assert is_material(fit, soft, 1, 1.0) is is_told
+    # Errors that all postures share: as many times the variance as there are postures.
+    assert not is_material(fit, soft, 25, 1.0)
 
 
 def test_what_is_a_part_of_a_drive_is_one_of_the_drive_as_it_is():
