@@ -77,7 +77,7 @@ class RivalRow:
     gain: float  # of evidence over the model without it
     behind: float  # of the best
     standing: bool  # not yet refuted
-    material: bool  # large enough to be worth a name
+    material: bool  # told to be large enough to be worth a name
     parameters: Mapping[str, Interval]
     told_by: str
     false_name_probability: float | None = None  # as of a named effect

@@ -67,6 +67,7 @@ class SlicedLink(BaseEffect):
         """Cut the link again and again, by a hinge along each direction, each with its own."""
         start, end = np.array(self.from_m), np.array(self.to_m)
         bow = np.array(self.bow_m)
+        bow -= self.along * (self.along @ bow)
         whole_k = np.array(stiffnesses_n_m2) / float(np.linalg.norm(end - start))
         softness = np.array(self.softness or np.ones(self.cuts))
         each_k = np.outer(softness.sum() / softness, whole_k)

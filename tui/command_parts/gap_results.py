@@ -177,7 +177,7 @@ def _rival_lines(rivals: Sequence[RivalRow]) -> Text:
     lines = ["Rivals (how often chance looks as clear; odds beside the best):"]
     for rival in rivals:
         stands = "stands" if rival.standing else "does not stand"
-        size = "" if rival.material else ", too small to matter"
+        size = "" if rival.material else ", not told to be large enough"
         lines.append(
             f"  {rival.title} ({rival.place}): by chance {chance(rival.false_name_probability)}, "
             f"odds {chance(rival.odds)}; {stands}{size}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from armodal.analyzer.gap.decision.calibration import Calibration
 from armodal.analyzer.gap.decision.judge import Judged, is_plainer
-from armodal.analyzer.gap.decision.matters import matters
+from armodal.analyzer.gap.decision.matters import is_material, matters
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.library import together
 from armodal.analyzer.gap.model.effect import Instance
@@ -97,14 +97,15 @@ def beside_rivals(
     *before, last = fit.hypothesis.instances
     for other in rivals:
         new = other.last
-        if new.key == last.key or any(new.key == i.key or new.excludes(i) for i in before):
+        if new.key == last.key or not _may_join(new, before):
             continue
         instead = replace(fit.hypothesis, instances=(*before, new))
         quick = fit_hypothesis(stage, instead, start=other.values, max_iterations=STEPS)
         if quick.evidence - quick.promised > fit.evidence:
             continue
         ended = fit_hypothesis(stage, instead, resumed=quick)
-        if not _is_worth_it(ended, fit) or is_plainer(fit, ended, named[-1].without):
+        phi = named[-1].judged.phi
+        if not _is_worth_it(stage, ended, fit, phi) or is_plainer(fit, ended, named[-1].without):
             continue
         if ended.evidence < fit.evidence:
             named = [_renamed(step, {last.key: new}) for step in named]
@@ -126,7 +127,7 @@ def _rather_than(
             continue
         others = [i for i in fit.hypothesis.instances if i is not old]
         for new, begin in old.alternatives(fit.values):
-            if any(new.key == i.key or new.excludes(i) for i in others):
+            if not _may_join(new, others):
                 continue
             instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
             instead = replace(fit.hypothesis, instances=instances)
@@ -140,12 +141,16 @@ def _rather_than(
     return fit, swapped
 
 
-def _is_worth_it(new: Fit, old: Fit) -> bool:
+def _may_join(new: Instance, others: Sequence[Instance]) -> bool:
+    return not any(new.key == i.key or new.excludes(i) or new.is_left_by(i) for i in others)
+
+
+def _is_worth_it(stage: Stage, new: Fit, old: Fit, phi: float) -> bool:
     """Whether another last name is large enough, or the one that it would replace was not either.
 
     What holds the old one inside it always comes nearer to the data, by something too small.
     """
-    return new.last.is_material(new.values) or not old.last.is_material(old.values)
+    return is_material(stage, new, new.last, phi) or not is_material(stage, old, old.last, phi)
 
 
 def _taken_out(fit: Fit, gone: Instance) -> tuple[dict[str, float], Hypothesis]:

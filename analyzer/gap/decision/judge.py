@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import permutations, zip_longest
 
 from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
@@ -80,10 +81,11 @@ def judge(
     ]
     # What is far behind has no name for being larger, but may leave it open.
     leading = [r for r in clear if r.evidence - clear[0].evidence < apart]
-    material = _material(stage, present, leading, phi) or _material(stage, present, clear, phi)
+    large = partial(_large, stage, present, clear, phi)
+    material = large(leading) or large(clear)
     if not material:
         return nothing
-    best = _plainest(material, present)
+    best = _plainest(material[0], large(clear), present)
     # Also what is too small to matter must be beaten: else it may be that, and not the best.
     beside = [
         r
@@ -101,17 +103,32 @@ def judge(
     return replace(nothing, named=best, standing=(best,), confidence=1.0 / (1.0 + odds))
 
 
-def _material(stage: Stage, present: Fit, clear: Sequence[Fit], phi: float) -> list[Fit]:
-    """Those large enough, or where none is, those that are most of what is missing."""
-    n_postures = len({lines.name for lines in stage.lines})
-    large = [r for r in clear if is_material(r, r.last, n_postures, phi)]
-    return large or [r for r in clear if matters(stage, present, r, r.last, phi)]
+def _large(
+    stage: Stage, present: Fit, clear: Sequence[Fit], phi: float, some: Sequence[Fit]
+) -> list[Fit]:
+    """Of some that are clear those large enough, or else those that are most of what is missing.
+
+    What holds another inside it takes off what that does: most must be missing beside that.
+    """
+    large = [r for r in some if is_material(stage, r, r.last, phi)]
+    return large or [
+        r for r in some if matters(stage, _inside(r, clear) or present, r, r.last, phi)
+    ]
 
 
-def _plainest(material: Sequence[Fit], present: Fit) -> Fit:
+def _inside(rival: Fit, others: Sequence[Fit]) -> Fit | None:
+    """The rival that another holds inside it, at one of its places."""
+    a = rival.last
+    return next((r for r in others if _contains(a, r.last)), None)
+
+
+def _contains(one: Instance, other: Instance) -> bool:
+    return other.effect.name in one.effect.contains and other.place in one.place.split(" and ")
+
+
+def _plainest(best: Fit, large: Sequence[Fit], present: Fit) -> Fit:
     """The best; where that is an axis, the released joint on which it lies."""
-    best = material[0]
-    return next((r for r in material if is_plainer(r, best, present)), best)
+    return next((r for r in large if is_plainer(r, best, present)), best)
 
 
 def is_plainer(joint: Fit, axis: Fit, present: Fit) -> bool:
@@ -166,11 +183,9 @@ def ends_alike(one: Instance, other: Instance) -> bool:
 
 def _is_no_more_than(stage: Stage, rival: Fit, best: Fit, apart: float, phi: float) -> bool:
     """Whether a rival holds the best inside it, and nothing else that matters or is told."""
-    a, b = rival.last, best.last
-    inside = b.effect.name in a.effect.contains and b.place in a.place.split(" and ")
     told = best.evidence - rival.evidence > apart
-    n_postures = len({lines.name for lines in stage.lines})
-    return inside and not told and not is_material(rival, a, n_postures, phi)
+    inside = _contains(rival.last, best.last)
+    return inside and not told and not is_material(stage, rival, rival.last, phi)
 
 
 def _is_also(one: Fit, other: Fit) -> bool:

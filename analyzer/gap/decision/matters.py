@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,38 +19,49 @@ _MOVED = 0.05  # of a joint's stiffness: as much compliance as makes a joint a r
 MOST = 0.5  # of a misfit: what explains as much explains more than all others together
 
 
-def is_material(fit: Fit, instance: Instance, n_postures: int, phi: float) -> bool:
+def is_material(stage: Stage, fit: Fit, instance: Instance, phi: float) -> bool:
     """Whether the data tell that an effect's size is worth a name: the near end of its interval.
 
     At 95 %. A link that bends by 1.7 % +- 1.2 of its drive may well bend by no more than a sound
     one does, and a point's place off by 2 cm +- 8 along a way that no hit tells is off by nothing
     there.
     """
-    spread = max(phi, n_postures)  # of an effect: errors that all postures share show in none
-    return instance.is_material({**fit.values, **_near_ends(fit, instance, spread)})
+    # Of an effect: errors that all postures share show in no disagreement.
+    spread = max(phi, len({lines.name for lines in stage.lines}))
+    sizes = instance.sizes or (instance.size,)
+    near = _near_ends(fit, instance, sizes, spread)
+    for name, _ in instance.side_sizes:
+        near |= _near_ends(fit, instance, (name,), spread)
+    return instance.is_material({**fit.values, **near})
 
 
-def _near_ends(fit: Fit, instance: Instance, spread: float) -> dict[str, float]:
-    """The end nearer to zero of a size's 95 % interval, of each of its parts.
+def _near_ends(
+    fit: Fit, instance: Instance, sizes: Sequence[str], spread: float
+) -> dict[str, float]:
+    """The end nearer to zero of the 95 % interval of a size, of each of its parts.
 
     Of what no sound arm has, as it is shaped: over all shapes an interval may reach to zero though
     the data leave no doubt that something is there. Of what every arm has some of, that it is more
     must hold whatever its shape. Along the principal directions of the parts' covariance, since
-    parts may be told together that are not told singly. All parts of one effect have one unit.
+    parts may be told together that are not told singly. All parts of one size have one unit.
     """
     space = fit.space
     told = fit.free.copy()
     shapes = () if instance.effect.some_is_ordinary else instance.shapes
     told[[space.index[name] for name in shapes if name in space.index]] = False
-    names = [n for n in instance.sizes or (instance.size,) if n in space.index]
-    names = [n for n in names if told[space.index[n]]]
+    names = [name for name in sizes if name in space.index and told[space.index[name]]]
+    if not names:
+        return {}
     at = [space.index[name] for name in names]
     std = np.array([space.parameters[i].std for i in at])
     covariance = replace(fit, free=told).covariance(spread)[np.ix_(at, at)] * np.outer(std, std)
     variances, directions = np.linalg.eigh(covariance)
-    along = directions.T @ [fit.values[name] for name in names]
-    near = np.maximum(np.abs(along) - TWO_SIDED_95 * np.sqrt(variances), 0.0)
-    return dict(zip(names, (directions @ (np.sign(along) * near)).tolist(), strict=True))
+    values = np.array([fit.values[name] for name in names])
+    along = directions.T @ values
+    inwards = np.maximum(np.abs(along) - TWO_SIDED_95 * np.sqrt(variances), 0.0)
+    near = directions @ (np.sign(along) * inwards)
+    # What one direction alone tells may lie further along a part than the whole.
+    return dict(zip(names, np.clip(near, -np.abs(values), np.abs(values)).tolist(), strict=True))
 
 
 def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance, phi: float) -> bool:
@@ -59,8 +71,7 @@ def matters(stage: Stage, without: Fit, fit: Fit, instance: Instance, phi: float
     hits hardly move anything else, the misfit tells it better, or a joint's stiffness that would be
     told wrongly without it.
     """
-    n_postures = len({lines.name for lines in stage.lines})
-    if is_material(fit, instance, n_postures, phi) or _moves_stiffness(without, fit, phi):
+    if is_material(stage, fit, instance, phi) or _moves_stiffness(without, fit, phi):
         return True
     return misfit_per_line(stage, fit) < (1.0 - MOST) * misfit_per_line(stage, without)
 

@@ -103,7 +103,7 @@ def given_way(
         parts, _ = parts_along(values[taper], values[middle])
         at = float(parts @ ((np.arange(SLICES) + 0.5) / SLICES))
         start, end = yielding.ends(values)
-        point_m = start + at * (end - start)
+        point_m = start + at * (end - start) + 4.0 * at * (1.0 - at) * yielding.bow_m(values)
         axes = [
             at_axis(ordinary, line.link, u, point_m, before=points)
             for u in yielding.softest(values)[0].T

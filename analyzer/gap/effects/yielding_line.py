@@ -27,7 +27,7 @@ Array = npt.NDArray[np.float64]
 _ASIDE_STD_M = 0.03  # of the line, across it
 # Of it about its middle: further it is another line, as an axis is no twist (`link_axis`).
 _TURN_STD_RAD, _TURN_MOST_RAD = 0.1, 0.2
-# By how much it bows, of its length: a casting with an elbow of 40 degrees in its middle does.
+# By how much it bows, of its length: a parabola whose ends stand 40 degrees to each other does.
 _BOW_STD = 0.09
 # ln of the softness about one direction across over that about the other: of a thin box, 0.63 as
 # wide as high.
@@ -73,20 +73,24 @@ class YieldingLine:
     def hinge(self, values: Mapping[str, float], s_m: float, number: int) -> tuple[Array, Array]:
         """Return the twist (6,) of a hinge at s, linear first, and its slopes (k, 6) by `moving`.
 
-        To first order in the turn and the bow, a parabola between its ends.
+        The line is turned to first order, and bows as a parabola between its ends; hinges stand
+        across its tangent, or along it.
         """
         off, turn, bow = self._moved(values)
         beside, along = across(self.line.along).T, self.line.along
         arm, length = s_m - 0.5 * self.line.length_m, self.line.length_m
         bowed, by_bow = length - 4.0 * arm**2 / length, -8.0 * arm / length
         tilt = turn + by_bow * bow
-        u, by_turn = along + tilt @ beside, beside
+        u, by_turn = _unit(along + tilt @ beside, beside)
         leans = []
         if self.bends:  # about directions that stay across
             lean = values[self._shape[1]] * number
             sides = np.array([[1.0, 0.0], [lean, 1.0]])[number]
-            u, by_turn = sides @ beside - (sides @ tilt) * along, -np.outer(sides, along)
-            leans = [number * (beside[0] - tilt[0] * along)]
+            size = float(np.linalg.norm(sides))  # a hinge that leans is no unit
+            changes = [*-np.outer(sides, along), number * (beside[0] - tilt[0] * along)]
+            unit, slopes = _unit(sides @ beside - (sides @ tilt) * along, np.array(changes))
+            u, by_turn = size * unit, size * slopes[:2]
+            leans = [size * slopes[2] + number * lean / size * unit]
         p = self.line.start_m + s_m * along + (off + arm * turn + bowed * bow) @ beside
         levers = np.cross(beside, u)
         by_aside = np.hstack([levers, np.zeros((2, 3))])
@@ -161,3 +165,10 @@ class YieldingLine:
         of_each = (self._aside, self._turn, self._bow)
         off, turn, bow = (np.array([values[name] for name in of]) for of in of_each)
         return off, turn, bow
+
+
+def _unit(u: Array, slopes: Array) -> tuple[Array, Array]:
+    """A direction (3,) of length one, and its slopes (k, 3)."""
+    size = float(np.linalg.norm(u))
+    unit = u / size
+    return unit, (slopes - np.outer(slopes @ unit, unit)) / size

@@ -47,6 +47,7 @@ class EffectWords:
     one_such_as: str = ""  # what both together may be instead
     covers: tuple[str, ...] = ()  # not told beside it: from posture to posture it looks like them
     covers_here: tuple[str, ...] = ()  # likewise, at the same place
+    leaves_here: tuple[str, ...] = ()  # what its form leaves looks like them: not added beside it
     some_is_ordinary: bool = False  # a sound arm has some of it: the name is for what is more
     least_shared: float = 0.0  # mountings that must bring it: fewer may be badly aimed hits
     own_candidates: bool = False  # a look of its own seeks it: the common one finds it too late
@@ -185,6 +186,10 @@ class Instance:
             return True
         own, theirs = self.pieces.split(maxsplit=1), other.pieces.split(maxsplit=1)
         return own[1:] == theirs[1:] != [] and own[0] != theirs[0]
+
+    def is_left_by(self, other: Instance) -> bool:
+        """Return whether it is what the form of one that is there may leave, at the same place."""
+        return other.place == self.place and self.effect.name in other.effect.leaves_here
 
     def _covers(self, other: Instance) -> bool:
         here = other.place == self.place and other.effect.name in self.effect.covers_here

@@ -73,4 +73,6 @@ def all_candidates(
 
 def goes_with(instance: Instance, present: Hypothesis) -> bool:
     """Return whether an effect can stand beside those of a hypothesis."""
-    return not any(instance.excludes(other) for other in present.instances)
+    return not any(
+        instance.excludes(other) or instance.is_left_by(other) for other in present.instances
+    )

@@ -168,13 +168,13 @@ def test_a_rival_takes_the_name_where_mountings_err_as_the_better_model_foretell
 
     monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
     rivals = [fit_of(axis), fit_of(joint), fit_of(third)]
-    better, (step,) = beside_rivals(object(), fit_of(axis), rivals, [step_to(fit_of(axis))])
+    better, (step,) = beside_rivals(STAGES[-1], fit_of(axis), rivals, [step_to(fit_of(axis))])
     assert better.last is joint
     assert step.fit.last is joint
     assert step.judged.named is not None
     cost["axis"] = 70.0
     kept, (step,) = beside_rivals(
-        object(), fit_to(fit_of(axis).hypothesis, 70.0), rivals, [step_to(fit_of(axis))]
+        STAGES[-1], fit_to(fit_of(axis).hypothesis, 70.0), rivals, [step_to(fit_of(axis))]
     )
     assert kept.last is axis
     assert step.fit.last is axis
@@ -190,10 +190,12 @@ def test_what_holds_the_name_inside_it_takes_it_only_where_the_rest_is_large_eno
     gears = Instance(effect=words, place="gears", size="axis l1", material=0.5e-6)
 
     def fitted(stage, hypothesis, *, resumed=None, **_):
-        return resumed or made_fit(hypothesis, cost=90.0, space=SPACE, u=[0.0, size])
+        return resumed or made_fit(
+            hypothesis, cost=90.0, space=SPACE, u=[0.0, size], resting=["axis l1"]
+        )
 
     monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
-    better, _ = beside_rivals(object(), fit_of(joint), [fit_of(gears)], [step_to(fit_of(joint))])
+    better, _ = beside_rivals(STAGES[-1], fit_of(joint), [fit_of(gears)], [step_to(fit_of(joint))])
     assert better.last is (gears if is_taken else joint)
 
 
@@ -209,5 +211,5 @@ def test_an_axis_that_lies_on_the_named_joint_takes_its_name_only_by_much(
         return resumed or fit_to(hypothesis, 100.0 - behind)
 
     monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)  # without either: 1100 nats
-    better, _ = beside_rivals(object(), fit_of(joint), [fit_of(axis)], [step_to(fit_of(joint))])
+    better, _ = beside_rivals(STAGES[-1], fit_of(joint), [fit_of(axis)], [step_to(fit_of(joint))])
     assert better.last is (axis if is_taken else joint)

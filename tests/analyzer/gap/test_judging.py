@@ -197,23 +197,25 @@ def axis(cost):
     return rival(link_axis.WORDS, "l1", cost)
 
 
-@pytest.mark.parametrize(("left", "is_most"), [(900.0, True), (1500.0, False)])
-@pytest.mark.parametrize(("better", "is_told"), [(10.0, False), (300.0, True)])
-def test_what_holds_the_best_inside_it_takes_its_name_where_that_is_told(
-    left, is_most, better, is_told
-):
-    """If it is most of what is missing; else both stand."""
-    inside = rival(released_joint.WORDS, "j2", left + better)
-    around = rival(wrist_coupling.WORDS, "j1 and j2", left)
+@pytest.mark.parametrize(("better", "stands"), [(10.0, False), (300.0, True)])
+def test_what_holds_the_best_inside_it_stands_beside_it_where_that_is_told(better, stands):
+    """Though it takes off most of the misfit: that is what it holds inside."""
+    inside = rival(released_joint.WORDS, "j2", 1000.0)
+    around = rival(wrist_coupling.WORDS, "j1 and j2", 1000.0 - better)
     small = replace(around, u=np.array([0.05]))  # a turn back that is too small to matter
     found = judge(OF_1000, rival(coupling.WORDS, "before", 2000.0), (small, inside), LIMITS)
-    if not is_told:
-        assert found.standing == (inside,)
-    elif is_most:
-        assert found.standing == (small,)
-    else:
-        assert found.standing == (inside, small)
-    assert found.named is (None if len(found.standing) > 1 else found.standing[0])
+    assert (found.named is None) == stands
+    assert (small in found.standing) == stands
+
+
+@pytest.mark.parametrize(("std", "is_named"), [(0.3, True), (0.5, False)])
+def test_a_name_is_told_to_be_large_enough(std, is_named):
+    """One, where a tenth is material: 0.41 or more, or 0.02."""
+    told = rival(bearing.WORDS, "j1", 1000.0)
+    curvature = np.array([[std**-2 - 1.0]]) * LIMITS.inflation  # the prior's is counted besides
+    told = replace(told, free=np.array([True]), curvature=curvature)
+    present = rival(coupling.WORDS, "before", 1900.0)
+    assert (judge(OF_1000, present, [told], LIMITS).named is told) == is_named
 
 
 @pytest.mark.parametrize(("left", "is_named"), [(0.4, True), (0.6, False)])
@@ -291,6 +293,14 @@ def test_a_rival_stands_beside_the_best_until_it_is_well_behind(behind, stands):
     found = judge(OF_1000, ORDINARY, [best, other], LIMITS)
     assert found.named is (None if stands else best)
     assert found.standing == ((best, other) if stands else (best,))
+
+
+def test_a_joint_has_its_name_though_an_axis_on_it_is_ahead_by_more_than_tells_rivals_apart():
+    line = with_changed(axis(100.0), is_also=lambda _values, other: other.place == "j1")
+    joint = rival(released_joint.WORDS, "j1", 180.0)
+    present = rival(coupling.WORDS, "before", 2000.0)
+    assert LIMITS.apart < 80.0 < 0.1 * 1900.0
+    assert judge(OF_1000, present, [line, joint], LIMITS).named is joint
 
 
 @pytest.mark.parametrize("is_joint", [True, False])

@@ -33,6 +33,27 @@ def test_a_small_effect_matters_where_a_joint_would_be_told_wrongly_without_it(s
     assert matters(stage, without, fit, small, 1.0) is told
 
 
+ONE_POSTURE = SimpleNamespace(lines=[SimpleNamespace(name="p")] * 2)  # hit softly and hard
+
+
+@pytest.mark.parametrize(("std", "is_told"), [(0.4, True), (0.6, False)])
+def test_another_size_that_would_be_material_alone_must_be_told_too(std, is_told):
+    """Two, where one is material: 1.2 or more, or 0.8."""
+    parameters = [Parameter(name=name, unit="", mean=0.0, std=1.0) for name in ("turn", "shift")]
+    moves = Instance(
+        effect=made_words("made"),
+        place="",
+        size="turn",
+        material=5.0,
+        side_sizes=(("shift", 1.0),),
+    )
+    fit = replace(
+        made_fit(Hypothesis(ordinary=None), cost=1.0, space=Space(parameters), u=(0.0, 2.0)),
+        curvature=np.diag([1.0, std**-2 - 1.0]),  # the prior's is counted besides
+    )
+    assert is_material(ONE_POSTURE, fit, moves, 1.0) is is_told
+
+
 _APART = ((1.0, 0.0), (0.0, 1.0))  # each part told by itself, or not
 _TOGETHER = ((0.5, 0.5), (-0.5, 0.5))  # the sum, and the difference
 
@@ -62,7 +83,7 @@ def test_what_the_data_do_not_tell_of_a_size_in_several_parts_makes_it_no_larger
         made_fit(Hypothesis(ordinary=None), cost=1.0, space=Space(parameters), u=shifts_m),
         curvature=W.T @ np.diag(1.0 / np.square(stds_m)) @ W,
     )
-    assert is_material(fit, off, 1, 1.0) is is_told
+    assert is_material(ONE_POSTURE, fit, off, 1.0) is is_told
 
 
 @pytest.mark.parametrize(("some_is_ordinary", "is_told"), [(False, True), (True, False)])
@@ -79,9 +100,10 @@ def test_what_every_arm_has_some_of_is_large_whatever_its_shape(some_is_ordinary
         made_fit(Hypothesis(ordinary=None), cost=1.0, space=Space(parameters), u=(3.0, 0.0)),
         curvature=np.linalg.inv(covariance) - np.eye(2),  # the priors' is counted besides
     )
-    assert is_material(fit, soft, 1, 1.0) is is_told
+    assert is_material(ONE_POSTURE, fit, soft, 1.0) is is_told
     # Errors that all postures share: as many times the variance as there are postures.
-    assert not is_material(fit, soft, 25, 1.0)
+    many = SimpleNamespace(lines=[SimpleNamespace(name=str(n)) for n in range(25)])
+    assert not is_material(many, fit, soft, 1.0)
 
 
 def test_what_is_a_part_of_a_drive_is_one_of_the_drive_as_it_is():

@@ -109,6 +109,33 @@ def test_a_twisting_link_turns_by_length_over_stiffness():
 
 
 @pytest.mark.parametrize("kind", ["bending", "torsion"])
+def test_a_link_that_bows_gives_way_across_and_along_its_tangent(kind):
+    """A parabola in the level plane: hinges about its tangent, or across it, lift the tip."""
+    stiffness = {"bending": "bending_stiffness_n_m2", "torsion": "torsional_stiffness_n_m2"}
+    bow_m, cuts = 0.05, 8
+    bowed = {
+        "kind": kind,
+        "link": "link_1",
+        "from_m": (0.0, 0.0, 0.0),
+        "to_m": (LENGTH, 0.0, 0.0),
+        "bow_m": (0.02, bow_m, 0.0),  # what lies along the line is no bow
+        "cuts": cuts,
+        stiffness[kind]: 40.0,
+        "loss": 1e-5,
+    }
+    plant = chain("z", effects=[bowed])
+    gives = flexibility(plant, motion_of(plant), "link_1", (LENGTH, 0.0, 0.0))
+    part = (np.arange(cuts) + 0.5) / cuts
+    place = np.stack([LENGTH * part, 4.0 * part * (1.0 - part) * bow_m])
+    tangent = np.stack([np.ones(cuts), 4.0 * (1.0 - 2.0 * part) * bow_m / LENGTH])
+    tangent /= np.linalg.norm(tangent, axis=0)
+    about = tangent if kind == "torsion" else np.stack([-tangent[1], tangent[0]])
+    arm = np.array([[LENGTH], [0.0]]) - place
+    lifts = about[0] * arm[1] - about[1] * arm[0]
+    assert gives[2, 2] == pytest.approx(LENGTH / cuts / 40.0 * np.sum(lifts**2), rel=EXACT)
+
+
+@pytest.mark.parametrize("kind", ["bending", "torsion"])
 def test_pieces_of_a_link_have_its_mass_centre_and_inertia_together(kind):
     stiffness = {"bending": "bending_stiffness_n_m2", "torsion": "torsional_stiffness_n_m2"}
     cut = {
