@@ -97,7 +97,7 @@ def beside_rivals(
     *before, last = fit.hypothesis.instances
     for other in rivals:
         new = other.last
-        if new.key == last.key or not _may_join(new, before):
+        if new.key == last.key or not _is_new_beside(before, new):
             continue
         instead = replace(fit.hypothesis, instances=(*before, new))
         quick = fit_hypothesis(stage, instead, start=other.values, max_iterations=STEPS)
@@ -127,7 +127,7 @@ def _rather_than(
             continue
         others = [i for i in fit.hypothesis.instances if i is not old]
         for new, begin in old.alternatives(fit.values):
-            if not _may_join(new, others):
+            if not _is_new_beside(others, new):
                 continue
             instances = tuple(new if i is old else i for i in fit.hypothesis.instances)
             instead = replace(fit.hypothesis, instances=instances)
@@ -141,8 +141,8 @@ def _rather_than(
     return fit, swapped
 
 
-def _may_join(new: Instance, others: Sequence[Instance]) -> bool:
-    return not any(new.key == i.key or new.excludes(i) or new.is_left_by(i) for i in others)
+def _is_new_beside(others: Sequence[Instance], new: Instance) -> bool:
+    return new.goes_with(others) and all(new.key != other.key for other in others)
 
 
 def _is_worth_it(stage: Stage, new: Fit, old: Fit, phi: float) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -187,9 +187,16 @@ class Instance:
         own, theirs = self.pieces.split(maxsplit=1), other.pieces.split(maxsplit=1)
         return own[1:] == theirs[1:] != [] and own[0] != theirs[0]
 
-    def is_left_by(self, other: Instance) -> bool:
-        """Return whether it is what the form of one that is there may leave, at the same place."""
-        return other.place == self.place and self.effect.name in other.effect.leaves_here
+    def goes_with(self, others: Iterable[Instance]) -> bool:
+        """Return whether it can be added to those that are there.
+
+        It excludes none, and is not what the form of one may leave at the same place.
+        """
+        return not any(
+            self.excludes(other)
+            or (other.place == self.place and self.effect.name in other.effect.leaves_here)
+            for other in others
+        )
 
     def _covers(self, other: Instance) -> bool:
         here = other.place == self.place and other.effect.name in self.effect.covers_here

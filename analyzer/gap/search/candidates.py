@@ -73,6 +73,4 @@ def all_candidates(
 
 def goes_with(instance: Instance, present: Hypothesis) -> bool:
     """Return whether an effect can stand beside those of a hypothesis."""
-    return not any(
-        instance.excludes(other) or instance.is_left_by(other) for other in present.instances
-    )
+    return instance.goes_with(present.instances)
