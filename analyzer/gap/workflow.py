@@ -112,7 +112,10 @@ def find_gap(
     stages, present = levels(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
     )
-    stages = _with_places(stages, present, start)
+    stages, near = _with_places(stages, present, start)
+    ordinary = present.ordinary.beside_drives(near)
+    from_file, start = instances_of_file(ordinary)
+    present = Hypothesis(ordinary=ordinary, instances=from_file)
     search = partial(_search, stages, (present, start), levels, limits)
     ended, said = search(tell=tell)
     if ended.named and ended.judged.calibration.is_model_wrong:
@@ -224,7 +227,8 @@ def _search(
             # What had been missing hid it: from the start again, without what was said meanwhile.
             notes = notes[-1:] if levelled.ordinary.swings else notes[-2:]
             rounds = 0
-            stages, (present, start) = _with_places(apart, levelled, start), believed
+            stages, _ = _with_places(apart, levelled, start)
+            present, start = believed
             present = replace(present, ordinary=levelled.ordinary)
             named, before, fitted = [], None, None
         elif _is_outside(stages[-1], fitted, calibration, named):
@@ -250,8 +254,11 @@ def _search(
 
 def _with_places(
     stages: Sequence[Stage], present: Hypothesis, start: Mapping[str, float]
-) -> tuple[Stage, ...]:
-    """Stages that allow for errors of single mountings, as the hypothesis foretells them."""
+) -> tuple[tuple[Stage, ...], Mapping[str, float]]:
+    """Stages that allow for errors of single mountings, as the hypothesis foretells them.
+
+    And the values by which it does on the last of them.
+    """
     found: list[Stage] = []
     values = dict(start)
     for stage in stages:
@@ -260,7 +267,7 @@ def _with_places(
         )
         values = near.values
         found.append(stage.with_places(present, values))
-    return tuple(found)
+    return tuple(found), values
 
 
 def _ordinary(

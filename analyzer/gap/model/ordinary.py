@@ -53,6 +53,8 @@ class Ordinary:
     """The arm as believed, with its ordinary errors."""
 
     superset: Superset
+    # The arm with its drives as a first fit has them: ordinary compliances are parts of theirs.
+    fitted: Superset | None = None
     postures: tuple[str, ...]
     hit_points: tuple[str, ...] = ()  # those that are hit while the sensor goes round
     levels_hit: bool = False  # whether every point was hit softly and hard
@@ -75,21 +77,45 @@ class Ordinary:
     @property
     def compliance(self) -> float:
         """Return the arm's own compliance, rad/(N m) (`scales.compliance`)."""
-        return compliance(self.superset)
+        return compliance(self._sized)
 
     def scale(self, joint: int) -> float:
         """Return what a joint's drive gives way by, or would, rad/(N m) (`scales.scale`)."""
-        return scale(self.superset, joint)
+        return scale(self._sized, joint)
 
     def drives(self, joint: int | None = None) -> tuple[tuple[str, float], ...]:
-        """Return ln k, name and belief, of the drives that `scale` is of, or `compliance`."""
+        """Return ln k, name and value, of the drives that `scale` is of, or `compliance`."""
         told = self.elastic
         if joint is None:
             told = told[:3]
         elif joint in told:
             told = (joint,)
-        names = [self.arm.joints[i].name for i in told]
-        return tuple((f"ln k {name}", float(np.log(self.stiffness(name)))) for name in names)
+        own = [(self._sized.arm.joints[i].name, scale(self._sized, i)) for i in told]
+        return tuple((f"ln k {name}", -float(np.log(yields))) for name, yields in own)
+
+    def beside_drives(self, values: Mapping[str, float]) -> Ordinary:
+        """Return it with what gives way beside the drives as parts of what those are.
+
+        A data sheet's stiffness is off by a third or by a factor, and a sound bearing goes with the
+        drive that is built in.
+
+        Parameters
+        ----------
+        values
+            Of a fit: ln k of every elastic joint.
+        """
+        joints = tuple(
+            joint
+            if joint.stiffness is None
+            else replace(
+                joint,
+                stiffness=replace(
+                    joint.stiffness, value=float(np.exp(values[f"ln k {joint.name}"]))
+                ),
+            )
+            for joint in self.arm.joints
+        )
+        return replace(self, fitted=Superset(replace(self.arm, joints=joints)))
 
     def stiffness(self, joint: str) -> float:
         """Return the believed stiffness of an elastic joint, N m/rad."""
@@ -100,7 +126,7 @@ class Ordinary:
 
     def bearing_limit(self, joint: int) -> float:
         """Return the largest transverse compliance of a sound joint, rad/(N m)."""
-        return doubt(self.superset, joint) * BEARING_LIMIT * self.scale(joint)
+        return doubt(self._sized, joint) * BEARING_LIMIT * self.scale(joint)
 
     @property
     def floor_limit(self) -> float:
@@ -111,6 +137,10 @@ class Ordinary:
     def base_lever_m(self) -> float:
         """Return the root of how much a base rocks over how much it shifts under unit loads."""
         return base_lever_m(self.superset)
+
+    @property
+    def _sized(self) -> Superset:
+        return self.fitted or self.superset
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Return every parameter with its prior."""
@@ -264,7 +294,7 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
             high=1.0,
         )
     )
-    found += soft_part_parameters(ordinary.superset)
+    found += soft_part_parameters(ordinary.fitted or ordinary.superset)
     # The lever is the plate's radius over root 2.
     found += base_body_parameters(ordinary.superset, float(np.sqrt(2.0)) * ordinary.base_lever_m)
     for joint in arm.joints:

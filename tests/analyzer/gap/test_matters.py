@@ -130,3 +130,30 @@ def test_a_joint_that_is_believed_rigid_goes_with_the_elastic_ones():
     assert rigid
     assert dict(ordinary.drives(rigid[0])) == pytest.approx(dict(told))
     assert dict(ordinary.drives()) == pytest.approx(dict(told[:3]))
+
+
+def test_ordinary_compliances_go_with_the_drives_that_are_there():
+    """Where a data sheet has one drive twice as stiff, its sound bearing may give way twice."""
+    arm = load_arm("ur5")
+    believed = Ordinary(superset=Superset(arm), postures=("p",))
+    soft = arm.joints[1]
+    told = [joint for joint in arm.joints if joint.stiffness]
+    values = {f"ln k {j.name}": np.log(j.stiffness.value) for j in told}
+    values[f"ln k {soft.name}"] -= np.log(2.0)
+    found = believed.beside_drives(values)
+    before, after = (ordinary.parameters() for ordinary in (believed, found))
+    every = {now.name: now.std / own.std for own, now in zip(before, after, strict=True)}
+    times = {name: ratio for name, ratio in every.items() if ratio != pytest.approx(1.0)}
+    of_base = {name for name in times if name.startswith("base")}
+    own = {name for name in times if name.endswith((soft.name, soft.link.name))}
+    rigid = set(times) - own - of_base  # as much as the elastic ones on average
+    assert {f"bearing a {soft.name}", f"bend a {soft.link.name}"} <= own
+    assert of_base
+    assert rigid
+    assert not any(name.startswith("ln k") for name in times)
+    for names, part in ((own, 1.0), (of_base, 1.0 / 3.0), (rigid, 1.0 / len(told))):
+        assert [times[name] for name in names] == pytest.approx([2.0**part] * len(names))
+    assert found.bearing_limit(1) == pytest.approx(2.0 * believed.bearing_limit(1))
+    assert dict(found.drives(1)) == pytest.approx(
+        {f"ln k {soft.name}": values[f"ln k {soft.name}"]}
+    )
