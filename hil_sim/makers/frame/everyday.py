@@ -261,10 +261,7 @@ def _believed(
 
 
 def _gear(table: ArmTable, tolerances: dict[str, float], streams: Streams) -> Gear:
-    gains = [
-        np.clip(tolerances["sensor_gain"] * _even(streams("gain", i)), -0.01, 0.01)
-        for i in range(3)
-    ]
+    gains = [tolerances["sensor_gain"] * _even(streams("gain", i)) for i in range(3)]
     return Gear(
         response=np.diag(1.0 + np.array(gains)),
         tilt_rad=float(np.deg2rad(tolerances["sensor_tilt_deg"])),

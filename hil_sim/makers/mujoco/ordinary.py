@@ -38,7 +38,7 @@ DRIVE_SCATTER = 0.25  # of ln k about a data sheet's value
 DRIVE_DOUBT = 0.35  # relative std that the arm file states
 DAMPING_RATIO = (0.01, 0.045)  # of a joint alone
 BEARING_COMPLIANCE = (0.0007, 0.024)  # of its drive's
-BASE_COMPLIANCE = (0.0002, 0.006)  # of the drive's of joint 1
+BASE_COMPLIANCE = (0.0002, 0.0095)  # of the drive's of joint 1
 LINK_COMPLIANCE = (0.0002, 0.011)  # of the drive's that carries it, about each axis across
 LOSS_TIME_S = (3e-6, 6.5e-4)  # damping over stiffness of bearings, base and links
 POINT_ERROR_M = (0.0008, 0.003)
@@ -248,7 +248,7 @@ def _put_compliance(
 
 def _bench(table: ArmTable, tolerances: dict[str, float], streams: Streams) -> Bench:
     rng = streams("sensor gain")
-    gains = [np.clip(tolerances["sensor_gain"] * _unit(rng), -0.01, 0.01) for _ in range(3)]
+    gains = [tolerances["sensor_gain"] * _unit(rng) for _ in range(3)]
     return Bench(
         sensor=np.diag(1.0 + np.array(gains)),
         tilt_rad=float(np.deg2rad(tolerances["sensor_tilt_deg"])),
