@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armodal.analyzer import gap
-from armodal.analyzer.gap.search import race, rivals
+from armodal.analyzer.gap.search import first_steps, race, rivals
 
 EVERY = ablation.changes()
 
@@ -73,13 +73,13 @@ def test_numbers_are_moved_at_once_and_put_back():
         for name in ("PATIENCE", "_PARTS")
     )
     second = next(c for c in EVERY if c.number.name.endswith("_PARTS[1]") and c.factor < 1.0)
-    before = race.PATIENCE, vars(rivals)["_PARTS"]
+    before = race.PATIENCE, vars(first_steps)["_PARTS"]
     with ablation.moved([steps, kept, second]):
         assert pytest.approx(1.3 * before[0], rel=1e-12) == race.PATIENCE
         assert rivals.PATIENCE == race.PATIENCE
-        factors = [a / b for a, b in zip(vars(rivals)["_PARTS"], before[1], strict=True)]
+        factors = [a / b for a, b in zip(vars(first_steps)["_PARTS"], before[1], strict=True)]
         np.testing.assert_allclose(factors, [1.3, 0.7, 1.0], rtol=1e-12)
-    assert before == (race.PATIENCE, vars(rivals)["_PARTS"])
+    assert before == (race.PATIENCE, vars(first_steps)["_PARTS"])
 
 
 def test_functions_of_search_and_decision_hold_no_number_of_their_own():

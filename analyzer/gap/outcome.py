@@ -22,6 +22,7 @@ from armodal.analyzer.gap.inference.hit_direction_notes import hit_direction_not
 from armodal.analyzer.gap.inference.intervals import intervals
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
 from armodal.analyzer.gap.library import title_of
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.next_test.advice import Advice, advise, at_levels
 from armodal.analyzer.gap.records import (
@@ -29,6 +30,7 @@ from armodal.analyzer.gap.records import (
     GapResult,
     Gate,
     Hidden,
+    LineDeviation,
     Misfit,
     PostureGap,
     RivalRow,
@@ -185,8 +187,9 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         name=words.name,
         title=words.title,
         place=instance.place,
-        parameters=intervals(final, instance.owned, phi),
+        parameters=intervals(final, instance.told, phi),
         size=instance.size,
+        sizes=instance.sizes,
         description={} if instance.describe is None else instance.describe(final.values),
         confidence=step.judged.confidence * recurrence(instance, step.gains) * (1.0 - chance),
         gain=gain,
@@ -196,9 +199,21 @@ def _effect(step: Step, final: Fit, phi: float) -> EffectFound:
         told_by=words.told_by,
         remedy=words.remedy,
         false_name_probability=chance,
-        moves=instance.begins_at,
+        line=_line(final, instance, phi),
         details=instance.details,
+        words=instance.words,
     )
+
+
+def _line(fit: Fit, instance: Instance, phi: float) -> LineDeviation | None:
+    moves = intervals(fit, instance.begins_at, phi).values()
+    if not moves:
+        return None
+    turned, shifted = (
+        float(np.linalg.norm([move.std for move in moves if move.unit == unit]))
+        for unit in ("", "m")
+    )
+    return LineDeviation(turned_rad=turned, shifted_m=shifted)
 
 
 def _false_name(effects: Sequence[EffectFound]) -> float:
@@ -227,11 +242,11 @@ def _rival(stage: Stage, fit: Fit, present: Fit, best: Fit, judged: Judged, phi:
         behind=behind,
         standing=any(f is fit for f in judged.standing),
         material=matters(stage, present, fit, instance, judged.phi),
-        parameters=intervals(fit, instance.owned, phi),
+        parameters=intervals(fit, instance.told, phi),
         told_by=instance.effect.told_by,
         false_name_probability=calibration.p_value(instance.effect.name, gain),
         odds=calibration.odds(behind),
-        moves=instance.begins_at,
+        line=_line(fit, instance, phi),
         details=instance.details,
     )
 

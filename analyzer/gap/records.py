@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "Gate",
     "Hidden",
     "Interval",
+    "LineDeviation",
     "Misfit",
     "ModeMatch",
     "NextTest",
@@ -45,6 +46,14 @@ class Interval:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class LineDeviation:
+    """How far a line may be turned and shifted, one deviation both ways across it together."""
+
+    turned_rad: float
+    shifted_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EffectFound:
     """An effect that was named and added."""
 
@@ -63,8 +72,10 @@ class EffectFound:
     remedy: str
     # Of any effect of the library looking as clear on a session without one; None: not known.
     false_name_probability: float | None = None
-    moves: tuple[str, ...] = ()  # parameters that the description tells as direction and place
+    sizes: tuple[str, ...] = ()  # several of one unit: the largest says how large it is
+    line: LineDeviation | None = None  # of the line that the description tells
     details: tuple[str, ...] = ()  # parameters of its form, which people are not told
+    words: Mapping[str, str] = field(default_factory=dict)  # of parameters, where names do not do
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +93,7 @@ class RivalRow:
     told_by: str
     false_name_probability: float | None = None  # as of a named effect
     odds: float | None = None  # over the best, by evidence and what errors are worth
-    moves: tuple[str, ...] = ()
+    line: LineDeviation | None = None
     details: tuple[str, ...] = ()
 
 

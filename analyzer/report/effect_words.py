@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from armodal.analyzer.gap.records import EffectFound, Interval
+from armodal.analyzer.gap.records import EffectFound, Interval, LineDeviation
 from armodal.analyzer.report.arm_svg import MarkedAxis
 from armodal.analyzer.report.words import plus_minus, rounded
 
@@ -47,8 +47,13 @@ def _what_where(title: str, place: str) -> str:
 
 def size_in_words(effect: EffectFound) -> str:
     """Value ± standard deviation and 95 % interval of the parameter that says how large it is."""
-    found = effect.parameters.get(effect.size)
-    return "" if found is None else interval_in_words(_as_factor(effect.size, found)[1])
+    told = [name for name in (effect.size, *effect.sizes) if name in effect.parameters]
+    if not told:
+        return ""
+    name = max(told, key=lambda name: abs(effect.parameters[name].value))
+    words = interval_in_words(_as_factor(name, effect.parameters[name])[1])
+    own = effect.words.get(name)
+    return words if own is None else f"{own} {words.removeprefix(_K)}"
 
 
 def interval_in_words(found: Interval) -> str:
@@ -88,8 +93,9 @@ def mechanics_of(effect: EffectFound) -> tuple[tuple[str, str], ...]:
         size=effect.size,
         parameters=effect.parameters,
         description=effect.description,
-        moves=effect.moves,
+        line=effect.line,
         details=effect.details,
+        words=effect.words,
         place=effect.place,
         confused_with=effect.confused_with,
         told_by=effect.told_by,
@@ -101,31 +107,33 @@ def mechanics(
     size: str,
     parameters: Mapping[str, Interval],
     description: Mapping[str, object],
-    moves: Sequence[str] = (),
+    line: LineDeviation | None = None,
     details: Sequence[str] = (),
+    words: Mapping[str, str] | None = None,
     place: str,
     confused_with: Sequence[str],
     told_by: str,
 ) -> tuple[tuple[str, str], ...]:
     """Return stiffness and damping, axis, place and rivals of an effect, each named.
 
-    `moves` name parameters that only say how far an axis moved from where its fit began: they are
-    the deviations of its direction and its place. `details` name those that people are not told.
+    `line` are the deviations of an axis' direction and place. `details` name parameters that people
+    are not told, `words` tell those whose names do not do.
     """
+    told_as = words or {}
     rows: list[tuple[str, str]] = []
     axis = _axis_in_words(description)
     if axis is not None:
-        axis += _deviations([parameters[name] for name in moves if name in parameters])
+        axis += _deviations(line)
     stiff = [name for name, found in parameters.items() if found.unit in _INVERSE]
     # Of what gives way about an axis, stiffness and damping say all; what swings has more to tell.
     swings = size in parameters and parameters[size].unit not in _INVERSE
     hidden = set(details)
-    if axis is not None:
-        hidden |= set(moves) if swings else {*parameters} - {size}
+    if axis is not None and not swings:
+        hidden |= {*parameters} - {size}
     for name, found in parameters.items():
         if name not in hidden:
-            told = name
-            if name in stiff:
+            told = told_as.get(name, name)
+            if name in stiff and name not in told_as:
                 told = _stiffness_name(name, found.unit, alone=axis is not None or len(stiff) == 1)
             told, own = _as_factor(told, found)
             rows.append((told, interval_in_words(own).removeprefix(_K)))
@@ -169,13 +177,11 @@ def _axis_in_words(description: Mapping[str, object]) -> str | None:
     return f"direction {way}, through {millimetres} mm"
 
 
-def _deviations(moves: Sequence[Interval]) -> str:
-    """How far an axis may be turned and shifted, one deviation both ways across it together."""
-    if not moves:
+def _deviations(line: LineDeviation | None) -> str:
+    if line is None:
         return ""
-    turned = np.degrees(np.hypot.reduce([move.std for move in moves if not move.unit] or [0.0]))
-    off_mm = 1e3 * np.hypot.reduce([move.std for move in moves if move.unit == "m"] or [0.0])
-    return f", ± {rounded(float(turned))}° and ± {rounded(float(off_mm))} mm"
+    turned = rounded(float(np.degrees(line.turned_rad)))
+    return f", ± {turned}° and ± {rounded(1e3 * line.shifted_m)} mm"
 
 
 def _three(value: object) -> tuple[float, ...] | None:

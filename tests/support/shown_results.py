@@ -42,14 +42,8 @@ GAP = {
                     "low": 1.8e-4,
                     "high": 2.2e-4,
                 },
-                "axis tilt a shoulder": {
-                    "unit": "",
-                    "value": 0.01,
-                    "std": 0.001,
-                    "low": 0.008,
-                    "high": 0.012,
-                },
             },
+            "line": {"turned_rad": 0.001, "shifted_m": 0.002},
             "description": {
                 "link": "shoulder",
                 "direction": [0.96, 0.0, 0.28],

@@ -37,6 +37,12 @@ _PIVOT_STD_M = 0.1
 _UP = skew(np.array([0.0, 0.0, 1.0]))
 
 
+def _told(name: str) -> str:
+    """Of "base rock x" and its like."""
+    _, way, axis = name.split()
+    return f"{way}ing stiffness {'along' if way == 'shift' else 'about'} {axis}"
+
+
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """The one base."""
     names = [f"base {way}" for way in BASE_WAYS]
@@ -93,6 +99,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             describe=describe,
             details=BASE_BODY[2:],
             size=names[3],
+            words={name: _told(name) for name in names},
             sizes=tuple(names[3:6]),
             side_sizes=tuple(
                 (name, ordinary.floor_limit * ordinary.base_lever_m**2) for name in names[:3]

@@ -63,6 +63,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                 alternatives=alternatives,
                 size=names[0],
                 sizes=tuple(names),
+                words={
+                    name: f"tilt stiffness about direction {side}"
+                    for name, side in zip(names, "ab", strict=True)
+                },
                 material=ordinary.bearing_limit(link),
                 drives=ordinary.drives(link),
             )

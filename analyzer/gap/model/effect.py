@@ -117,6 +117,7 @@ class Instance:
     is_also: IsAlso | None = None
     begins_at: tuple[str, ...] = ()  # parameters that count from where a description puts it
     details: tuple[str, ...] = ()  # parameters of its form: in files, but not told to people
+    words: Mapping[str, str] = field(default_factory=dict)  # of parameters, where names do not do
     size: str = ""  # the parameter that says how large
     shapes: tuple[str, ...] = ()  # parameters that do nothing while the size is zero
     sizes: tuple[str, ...] = ()  # or the largest of several
@@ -165,6 +166,11 @@ class Instance:
     def owned(self) -> tuple[str, ...]:
         """Return the names of all parameters it brings or frees."""
         return (*(p.name for p in self.parameters), *self.relaxes)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """Return the names of those that its description does not tell as a line."""
+        return tuple(name for name in self.owned if name not in self.begins_at)
 
     def is_material(self, values: Mapping[str, float]) -> bool:
         """Return whether it is large enough to be worth a name, beside drives as they are."""

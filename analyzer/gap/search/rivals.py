@@ -17,12 +17,11 @@ from functools import partial
 from armodal.analyzer.gap.inference.fit import (
     Fit,
     Stage,
-    best_starting_point,
     fit_hypothesis,
 )
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.search.beginnings import LEADING, promising_beginnings
+from armodal.analyzer.gap.search.beginnings import LEADING
 from armodal.analyzer.gap.search.best_fits import each_minimum, hopeful, one_each
 from armodal.analyzer.gap.search.candidates import (
     all_candidates,
@@ -30,20 +29,19 @@ from armodal.analyzer.gap.search.candidates import (
     other_candidates,
     others_beside,
 )
+from armodal.analyzer.gap.search.first_steps import first_steps
 from armodal.analyzer.gap.search.laws import fitted_laws
+from armodal.analyzer.gap.search.nearby import Nearby
 from armodal.analyzer.gap.search.race import BESIDE, MOST_STEPS, PATIENCE, STEPS, Race
-from armodal.analyzer.gap.search.scan import LOOK, Candidate
+from armodal.analyzer.gap.search.scan import Candidate
 
 __all__ = ["Rivals", "annealed", "find_rivals"]
 
 _KEPT = 28  # candidates fitted on the widest lines; on each sharper stage half as many
-_PARTS = (1.0, 0.3, 0.1)  # of a linear step, tried as starting points
-_LARGEST = 3.0  # of a size's prior deviation, where it is zero at least: parts of it are tried too
 
 Progress = Callable[[str], None]
 NeedsMore = Callable[[Fit, Sequence[Fit]], bool]
 Limit = Callable[[Fit, str], float]
-IsWanted = Callable[[Instance, float], bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,13 +130,8 @@ def find_rivals(
     # What ends no better than the model without it has no name.
     race = races[sharp] = Race(sharp, behind=base[-1].evidence)
 
-    def near(is_wanted: IsWanted, is_begun: IsWanted) -> list[Fit]:
-        promising = [c for c in looked if c.gain > LOOK and is_wanted(c.instance, c.gain)]
-        begun = [
-            _begun(race, base[-1], c, start, choose_on=stages[1])
-            for c in promising[: _kept(len(stages) - 2)]
-        ]
-        return [*begun, *_from_beginnings(races, stages[-2:], base[-2], without, is_begun)]
+    blind = [i for i in others_beside(base[-2]) if i.key not in without]
+    near = Nearby(races, base, looked, blind, start, most=_kept(len(stages) - 2))
 
     def reaches_limit(instance: Instance, gain: float) -> bool:
         return PATIENCE * gain > limit(base[-1], instance.effect.name)
@@ -148,7 +141,7 @@ def find_rivals(
     is_more = needs_more(base[-1], ())
     if not is_more:
         # Limits are read from the residual, and what is missing is in that: it may hide itself.
-        finals = hopeful(near(lambda i, g: i is first or reaches_limit(i, g), reaches_limit))
+        finals = hopeful(near.begun(lambda i, g: i is first or reaches_limit(i, g), reaches_limit))
         is_more = needs_more(base[-1], finals)
     if is_more:
         if fitted is not None and afresh:
@@ -164,7 +157,7 @@ def find_rivals(
         # Where much is left they come after: most are hopeless beside what the wide lines led to.
         # A look about nothing may say far too little: what leads is begun anyway. What broad lines
         # promise is set beside what others reached there.
-        finals = finals or near(
+        finals += near.begun(
             lambda i, g: i is first or race.is_in_reach(base[-1], g),
             lambda _, g: races[stages[-2]].is_in_reach(base[-2], g),
         )
@@ -232,7 +225,7 @@ def _far(
     tell(f"{len(looked)} candidates fitted on wide lines")
     race = races[widest]
     fits = each_minimum(
-        [_begun(race, base[0], c, begin, own_too=True) for c in _chosen(looked, _KEPT)]
+        [first_steps(race, base[0], c, begin, own_too=True) for c in _chosen(looked, _KEPT)]
     )
     for number, stage in enumerate(sharper, 1):
         fits = [*fits, *_alternatives(race, fits[:LEADING])]
@@ -244,30 +237,6 @@ def _far(
         leading, *others = fits
         fits = hopeful([race.to_its_end(leading), *(race.further(f) for f in others)])
     return fits
-
-
-def _from_beginnings(
-    races: Mapping[Stage, Race],
-    stages: Sequence[Stage],
-    base: Fit,
-    without: Collection[tuple[str, str]],
-    is_begun: IsWanted,
-) -> list[Fit]:
-    """Fits on middle lines, begun on sharp ones, of what only its own beginnings tell."""
-    middle, sharp = stages
-    instances = [i for i in others_beside(base) if i.key not in without]
-    looked = promising_beginnings(middle, base, instances)
-    near: list[Fit] = []
-    for instance, beginnings in looked[:LEADING]:
-        richer = replace(base.hypothesis, instances=(*base.hypothesis.instances, instance))
-        # What promises most may lead back to none, and the next one not.
-        begun = [
-            begin
-            for gain, begin in beginnings[:LEADING]
-            if gain > LOOK and is_begun(instance, gain)
-        ]
-        near += [races[middle].to_its_end(races[middle].fit(richer, start=b)) for b in begun]
-    return [races[sharp].fit(fit.hypothesis, resumed=fit) for fit in hopeful(near)]
 
 
 def _only_effects(present: Hypothesis, values: Mapping[str, float]) -> dict[str, float]:
@@ -285,78 +254,6 @@ def _chosen(looked: Sequence[Candidate], most: int) -> list[Candidate]:
         (rest if kind in kinds else first).append(c)
         kinds.add(kind)
     return [*first, *rest][: max(most, len(first))]
-
-
-def _begun(
-    race: Race,
-    about: Fit,
-    candidate: Candidate,
-    start: Mapping[str, float],
-    *,
-    own_too: bool = False,
-    choose_on: Stage | None = None,
-) -> Fit:
-    """Some steps of a candidate from the best of its beginnings; on wide lines from its own too.
-
-    What begins best may lead nowhere: a body of no mass with a moment, beside ordinary errors that
-    have taken on the rest. Its own is where its file says that a fit begins, and there ordinary
-    errors begin anew.
-    """
-    present = about.hypothesis
-    richer = replace(present, instances=(*present.instances, candidate.instance))
-    values = about.values
-    # Of no size, but with the shape that promises most: of another it may promise nothing.
-    sizes = (candidate.instance.size, *candidate.instance.sizes)
-    shape = {n: v for n, v in candidate.begin.items() if n not in values and n not in sizes}
-    nothing = {**values, **shape}
-    starting_points: list[Mapping[str, float]] = [nothing, {**shape, **start}]
-    if candidate.begin:
-        starting_points += [_part_of_the_way(values, candidate, part) for part in _PARTS]
-    if candidate.instance.initial_values is not None:
-        starting_points += candidate.instance.initial_values(values)
-    starting_points += _of_every_size(values, candidate)
-    best = best_starting_point(choose_on or race.stage, richer, starting_points)
-    fits = [race.fit(richer, start=best)]
-    if own_too and _has_own_start(candidate.instance):
-        fits.append(race.to_its_end(race.fit(richer, start=start)))
-    elif own_too and best is not nothing:
-        fits.append(race.fit(richer, start=nothing))
-    return min(fits, key=lambda fit: fit.evidence)
-
-
-def _has_own_start(instance: Instance) -> bool:
-    return any(p.first != p.mean for p in (*instance.parameters, *instance.relaxes.values()))
-
-
-def _of_every_size(
-    values: Mapping[str, float], candidate: Candidate
-) -> Sequence[Mapping[str, float]]:
-    """Values with a compliance, a mass or a damper of several sizes; places as the look has them.
-
-    A spring may bring a mode that comes down into the lines from above: from a size on its wrong
-    side a fit leads back to none.
-    """
-    instance = candidate.instance
-    of_size = {p.name: p for p in (*instance.parameters, *instance.relaxes.values())}
-    size = of_size.get(instance.size)
-    if size is None or (size.mean, size.low) != (0.0, 0.0):
-        return ()
-    reached = {**values, **_part_of_the_way(values, candidate, 1.0)}
-    return [{**reached, size.name: part * _LARGEST * size.std} for part in _PARTS]
-
-
-def _part_of_the_way(
-    values: Mapping[str, float], candidate: Candidate, part: float
-) -> dict[str, float]:
-    """Values between the present ones and what the linear look promises; places at once."""
-    sizes = (candidate.instance.size, *candidate.instance.sizes)
-    start = dict(candidate.begin)
-    for name, reached in candidate.begin.items():
-        if name in values:
-            start[name] = values[name] + part * (reached - values[name])
-        elif name in sizes:
-            start[name] = part * reached
-    return start
 
 
 def _alternatives(race: Race, fits: Sequence[Fit]) -> list[Fit]:

@@ -14,8 +14,8 @@ from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.search.beginnings import promising_beginnings
+from armodal.analyzer.gap.search.first_steps import first_steps
 from armodal.analyzer.gap.search.race import MOST_STEPS, Race
-from armodal.analyzer.gap.search.rivals import _begun
 from armodal.analyzer.gap.search.scan import scan_instances
 
 TRUE = "axis_2"
@@ -67,7 +67,7 @@ def test_what_broad_lines_do_not_see_is_begun_with_the_shape_that_sharp_ones_pro
     blind = measured_stage(superset, lines, hidden, values | {size: 0.0}, noise=1e-3)
     about = fit_hypothesis(sharp, Hypothesis(ordinary=ordinary))
     looked = absorber.linear_candidates(sharp, about, ())[0]
-    begun = _begun(Race(sharp), about, looked, about.values, choose_on=blind)
+    begun = first_steps(Race(sharp), about, looked, about.values, choose_on=blind)
     # A linear look overlooks how a mode splits: half of what it promises is there.
     assert about.cost - begun.cost > 0.5 * looked.gain > 10.0
     assert begun.values[looked.instance.size] > 0.0

@@ -11,7 +11,7 @@ from armodal.analyzer.gap.effects import bearing, hit_direction
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.space import Parameter, Space
-from armodal.analyzer.gap.search import race, rivals
+from armodal.analyzer.gap.search import first_steps, race, rivals
 from armodal.analyzer.gap.search.rivals import find_rivals
 from armodal.analyzer.gap.search.scan import Candidate
 
@@ -32,7 +32,7 @@ def every_fit_is(fitted, monkeypatch):
     """Fits are made by `fitted`, from the first of their beginnings; nothing else is looked at."""
     for module in (rivals, race):
         monkeypatch.setattr(module, "fit_hypothesis", fitted)
-    monkeypatch.setattr(rivals, "best_starting_point", lambda _s, _h, points: points[0])
+    monkeypatch.setattr(first_steps, "best_starting_point", lambda _s, _h, points: points[0])
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "others_beside", lambda _: [])
 
@@ -73,7 +73,7 @@ def test_a_compliance_is_begun_within_its_prior_and_at_its_far_end(monkeypatch):
         return starting_points[0]
 
     looked = [Candidate(instance=one, gain=100.0) for one in (spring, other)]
-    monkeypatch.setattr(rivals, "best_starting_point", better)
+    monkeypatch.setattr(first_steps, "best_starting_point", better)
     for module in (rivals, race):
         monkeypatch.setattr(
             module,
@@ -174,7 +174,7 @@ def test_of_several_minima_the_one_that_is_ahead_after_some_steps_may_be_the_wor
             hypothesis, start["angle"], 50.0 if first else 60.0, 0.0 if first else 6.0
         )
 
-    monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
+    monkeypatch.setattr(first_steps, "best_starting_point", lambda *given: given[-1][-1])
     monkeypatch.setattr(rivals, "fit_hypothesis", fitted)
     monkeypatch.setattr(race, "fit_hypothesis", fitted)
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
@@ -198,7 +198,7 @@ def test_what_cannot_come_beside_the_best_is_left_where_it_stands(monkeypatch):
         Candidate(instance=Instance(effect=hit_direction.WORDS, place=place), gain=50.0)
         for place in "qr"
     ]
-    monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
+    monkeypatch.setattr(first_steps, "best_starting_point", lambda *given: given[-1][-1])
     monkeypatch.setattr(rivals, "fit_hypothesis", fitted)
     monkeypatch.setattr(race, "fit_hypothesis", fitted)
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
@@ -228,7 +228,7 @@ def test_what_promises_most_is_begun_though_it_may_hide_in_what_its_limit_is_rea
 
     for module in (rivals, race):
         monkeypatch.setattr(module, "fit_hypothesis", fitted)
-    monkeypatch.setattr(rivals, "best_starting_point", lambda *given: given[-1][-1])
+    monkeypatch.setattr(first_steps, "best_starting_point", lambda *given: given[-1][-1])
     monkeypatch.setattr(rivals, "other_candidates", lambda *_: [])
     monkeypatch.setattr(rivals, "all_candidates", lambda *_, **__: looked)
     monkeypatch.setattr(rivals, "others_beside", lambda _: [])
@@ -237,3 +237,36 @@ def test_what_promises_most_is_begun_though_it_may_hide_in_what_its_limit_is_rea
         STAGES, NAMED, lambda *_: False, limit=lambda _, name: limits[name], start={}, fitted=STUCK
     )
     assert begun == [leads, reaching]
+
+
+@pytest.mark.parametrize(("more", "places"), [(False, "ac"), (True, "acb")])
+def test_what_was_turned_down_at_first_is_begun_once_more_is_to_be_explained(
+    more, places, monkeypatch
+):
+    """A servo had been below its limit, and what was begun instead an absorber: it had the name."""
+    of = {"a": hit_direction.WORDS, "b": hit_direction.WORDS, "c": bearing.WORDS}
+    instances = {place: Instance(effect=words, place=place) for place, words in of.items()}
+    looked = [Candidate(instance=i, gain=80.0) for i in instances.values()]
+    begun = []
+
+    def fitted(_stage, hypothesis, *, resumed=None, **_):
+        if resumed is None and hypothesis is not NAMED:
+            begun.append(hypothesis.instances[-1].place)
+        return fit(100.0) if hypothesis is NAMED else made_fit(hypothesis, cost=50.0)
+
+    every_fit_is(fitted, monkeypatch)
+    monkeypatch.setattr(rivals, "fitted_laws", lambda *_, **__: [])
+    monkeypatch.setattr(
+        rivals, "all_candidates", lambda *_, from_start, **__: [] if from_start else looked
+    )
+    limits = {hit_direction.WORDS.name: 300.0, bearing.WORDS.name: 200.0}
+    find_rivals(
+        STAGES,
+        NAMED,
+        lambda _, begun: more and bool(begun),
+        limit=lambda _, name: limits[name],
+        start={},
+        fitted=STUCK,
+        afresh=False,
+    )
+    assert "".join(begun) == places

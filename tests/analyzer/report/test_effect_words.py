@@ -11,7 +11,12 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.lines_in_links import LineInLink
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, Interval
-from armodal.analyzer.report.effect_words import chance, effect_sentence, mechanics
+from armodal.analyzer.report.effect_words import (
+    chance,
+    effect_sentence,
+    mechanics,
+    size_in_words,
+)
 from armodal.protocols.arm.files import load_arm
 
 COMPLIANCE = Interval(unit="rad/(N m)", value=1e-5, std=1e-7, low=9.8e-6, high=1.02e-5)
@@ -57,12 +62,12 @@ def test_what_swings_along_a_line_is_told_with_its_frequency():
     ln_hz = Interval(
         unit="ln Hz", value=np.log(20.0), std=0.05, low=np.log(18.0), high=np.log(22.0)
     )
-    swings = {"mass": mass, "ln frequency": ln_hz, "loss": LOSS, "tilt": TILT}
-    told = words_of(swings, AXIS, size="mass", moves=("tilt",))
+    swings = {"mass": mass, "ln frequency": ln_hz, "loss": LOSS}
+    told = words_of(swings, AXIS, size="mass")
     assert told["mass"] == "2.00 ± 0.10 kg (95 %: 1.80 to 2.20 kg)"
     assert told["frequency"] == "20.0 ± 1.0 Hz (95 %: 18.0 to 22.0 Hz)"
     assert "loss" in told
-    assert not {"tilt", "k", "c"} & told.keys()
+    assert not {"k", "c"} & told.keys()
 
 
 @pytest.mark.parametrize(
@@ -107,10 +112,21 @@ def test_an_effect_without_an_axis_has_every_parameter_told():
 def test_tilts_of_a_bearing_are_told_as_stiffnesses():
     none = Interval(unit="rad/(N m)", value=1e-7, std=1e-7, low=0.0, high=4e-7)
     tilts = {"bearing a joint_2": COMPLIANCE, "bearing b joint_2": none}
-    told = words_of(tilts, {}, size="bearing a joint_2")
-    assert told["k bearing a joint_2"].startswith("100 000 ± 1 000 N m/rad")
+    words = {"bearing a joint_2": "tilt stiffness about direction a"}
+    told = words_of(tilts, {}, size="bearing a joint_2", words=words)
+    assert told["tilt stiffness about direction a"].startswith("100 000 ± 1 000 N m/rad")
     # Of what may give way by nothing only the least stiffness is known: 1 / 4e-7.
     assert told["k bearing b joint_2"] == "at least 2 500 000 N m/rad (95 %)"
+
+
+def test_the_softer_of_two_tilts_says_how_soft_a_bearing_is():
+    none = Interval(unit="rad/(N m)", value=1e-7, std=1e-7, low=0.0, high=4e-7)
+    tilts = {"tilt a": none, "tilt b": COMPLIANCE}
+    words = {"tilt b": "tilt stiffness about direction b"}
+    effect = replace(EFFECT, parameters=tilts, size="tilt a", sizes=("tilt a", "tilt b"))
+    assert size_in_words(effect).startswith("stiffness 100")
+    told = size_in_words(replace(effect, words=words))
+    assert told.startswith("tilt stiffness about direction b 100")
 
 
 def test_a_link_that_bends_all_along_is_told_by_its_bending_stiffness():

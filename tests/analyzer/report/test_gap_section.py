@@ -16,6 +16,7 @@ from armodal.analyzer.gap.records import (
     Gate,
     Hidden,
     Interval,
+    LineDeviation,
     ModeMatch,
     NextTest,
     PostureGap,
@@ -201,21 +202,10 @@ def test_a_cell_that_disagrees_more_is_never_lighter() -> None:
 
 
 def test_an_axis_is_told_as_a_line_of_its_link_and_a_stiffness_never_as_tilts_and_shifts():
-    moves = {
-        f"axis {name} link_3": Interval(unit=unit, value=0.2, std=std, low=0.1, high=0.3)
-        for name, unit, std in (
-            ("tilt a", "", 0.03),
-            ("tilt b", "", 0.04),
-            ("shift a", "m", 0.006),
-            ("shift b", "m", 0.008),
-        )
-    }
+    moved = LineDeviation(turned_rad=0.05, shifted_m=0.01)
     line = {"link": "link_3", "direction": [0.0, 0.6, 0.8], "point_m": [0.1, -0.04, 0.03]}
     (effect,) = NAMED.effects
-    told = dict(
-        mechanics_of(replace(effect, parameters=P | moves, moves=tuple(moves), description=line))
-    )
-    # Both deviations across the line together: 0.05 rad and 10 mm.
+    told = dict(mechanics_of(replace(effect, line=moved, description=line)))
     assert told["axis"] == (
         "direction +0.00 +0.60 +0.80, through 100 -40 30 mm, ± 2.86° and ± 10.0 mm"
     )

@@ -10,7 +10,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from armodal.analyzer.gap.records import Interval
+from armodal.analyzer.gap.records import Interval, LineDeviation
 from armodal.analyzer.report.effect_words import chance, largest_in_words, mechanics
 from armodal.protocols.printable import printable
 from armodal.tui.fitting_table import FittingTable
@@ -114,13 +114,30 @@ def _mechanics(row: Mapping[str, Any]) -> list[tuple[str, str]]:
             size=str(row.get("size", "")),
             parameters=whole,
             description=described if isinstance(described, Mapping) else {},
-            moves=[str(name) for name in row.get("moves", ())],
+            line=_line(row.get("line")),
+            words=_words(row.get("words")),
             details=[str(name) for name in row.get("details", ())],
             place=str(row.get("place") or ""),
             confused_with=[str(x) for x in confused] if isinstance(confused, (list, tuple)) else [],
             told_by=str(row.get("told_by") or ""),
         ),
     ]
+
+
+def _line(told: object) -> LineDeviation | None:
+    """An axis' deviations, where a result tells them."""
+    if not isinstance(told, Mapping):
+        return None
+    turned, shifted = told.get("turned_rad"), told.get("shifted_m")
+    if not isinstance(turned, (int, float)) or not isinstance(shifted, (int, float)):
+        return None
+    return LineDeviation(turned_rad=turned, shifted_m=shifted)
+
+
+def _words(told: object) -> dict[str, str]:
+    if not isinstance(told, Mapping):
+        return {}
+    return {str(name): str(words) for name, words in told.items()}
 
 
 def _sure(share: float) -> str:
