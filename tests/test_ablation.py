@@ -108,3 +108,8 @@ def test_functions_of_search_and_decision_hold_no_number_of_their_own():
             and node.value not in plain
         }
     assert not found
+
+
+def test_search_and_decision_have_few_numbers():
+    """Forty together: each is one more thing that nobody can tell from another arm."""
+    assert len({change.number for change in EVERY}) <= 40

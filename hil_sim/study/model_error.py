@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -21,7 +22,7 @@ __all__ = ["Tables", "erring_plant_tables", "plant_of_tables"]
 Array = npt.NDArray[np.float64]
 Tables = dict[str, Any]
 
-# Ranges are drawn by their logarithm. Compliances are parts of the arm's own joint compliance.
+# Ranges are drawn by their logarithm. Compliances are parts of those of the drives that are there.
 WEAK_BEARING = (0.0008, 0.0235)  # across each joint's axis, of its own drive's
 NOT_RIGID = (0.0004, 0.019)  # about the axis of a joint believed rigid
 SOFT_FLOOR = (0.0002, 0.0085)  # rocking of the base
@@ -60,7 +61,7 @@ def erring_plant_tables(study: StudyArm, seed: int) -> Tables:
         "soft_probability": 0.0,
         "overload_probability": 0.0,
     }
-    tables["effects"] = _background(study, streams)
+    tables["effects"] = _background(study, k, streams)
     return tables
 
 
@@ -112,13 +113,13 @@ def _wrong_link(link: Tables, streams: Streams) -> Tables:
     }
 
 
-def _background(study: StudyArm, streams: Streams) -> list[Tables]:
+def _background(study: StudyArm, springs: Sequence[float | None], streams: Streams) -> list[Tables]:
     """Weak modes, hysteretic damping, encoders and skew: effects too small to be named."""
-    compliance = study.joint_compliance
-    effects: list[Tables] = [_floor(study, streams)]
-    for joint in study.arm.joints:
+    compliance = float(np.exp(-np.mean(np.log([k for k in springs if k is not None][:3]))))
+    effects: list[Tables] = [_floor(study, compliance, streams)]
+    for joint, stiffness in zip(study.arm.joints, springs, strict=True):
         name = joint.name
-        drive = 1.0 / joint.stiffness.value if joint.stiffness else compliance
+        drive = compliance if stiffness is None else 1.0 / stiffness
         weak = _between(WEAK_BEARING, streams("bearing", name))
         sides = weak * np.exp(0.3 * _bounded(streams("bearing sides", name), 2))
         k = 1.0 / (drive * np.clip(sides, *WEAK_BEARING))
@@ -152,9 +153,9 @@ def _background(study: StudyArm, streams: Streams) -> list[Tables]:
     return effects
 
 
-def _floor(study: StudyArm, streams: Streams) -> Tables:
+def _floor(study: StudyArm, compliance: float, streams: Streams) -> Tables:
     """The base on a floor that gives way a little."""
-    rock = study.joint_compliance * _between(SOFT_FLOOR, streams("floor"))
+    rock = compliance * _between(SOFT_FLOOR, streams("floor"))
     shift = rock * _between(FLOOR_SHIFT_M2, streams("floor shift"))
     mass = sum(j.link.mass_kg for j in study.arm.joints) * _between(BASE_MASS, streams("base mass"))
     loss_s = _between(INTERFACE_LOSS_S, streams("floor loss"))
