@@ -262,6 +262,7 @@ def _hidden(
             title=c.instance.effect.title,
             place=c.instance.place,
             parameter=c.instance.size,
+            words=c.instance.words.get(c.instance.size, ""),
             unit=c.instance.unit,
             largest=told[c.instance.key].at_most
             if c.instance.key in told

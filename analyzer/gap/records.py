@@ -128,6 +128,7 @@ class Hidden:
     unit: str
     largest: float
     title: str = ""  # in words; older files lack it
+    words: str = ""  # of the parameter, where its name does not do
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

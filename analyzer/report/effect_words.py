@@ -15,6 +15,7 @@ __all__ = [
     "certainty",
     "chance",
     "effect_sentence",
+    "hidden_in_words",
     "interval_in_words",
     "largest_in_words",
     "mechanics",
@@ -85,6 +86,20 @@ def largest_in_words(largest: float, unit: str) -> str:
     if unit in _INVERSE and largest > 0.0:
         return f"no softer than {rounded(1.0 / largest)} {_INVERSE[unit]}"
     return f"no more than {rounded(largest)} {unit}".rstrip()
+
+
+def hidden_in_words(parameter: str, largest: float, unit: str) -> tuple[str, str]:
+    """Return what could hide, and how large it could be; a logarithm as the factor it is of.
+
+    Examples
+    --------
+    >>> hidden_in_words("ln gain x", 0.0488, "")
+    ('gain x', 'no more than 1.05 times')
+    """
+    name, told = _as_factor(
+        parameter, Interval(unit=unit, value=largest, std=0.0, low=largest, high=largest)
+    )
+    return name, largest_in_words(told.value, told.unit)
 
 
 def mechanics_of(effect: EffectFound) -> tuple[tuple[str, str], ...]:

@@ -8,7 +8,7 @@ from armodal.analyzer.gap.records import GapResult, Verdict
 from armodal.analyzer.report.effect_words import (
     certainty,
     chance,
-    largest_in_words,
+    hidden_in_words,
     mechanics_of,
 )
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
@@ -51,7 +51,7 @@ def gap_section(
             mechanics=mechanics_of,
             certainty=certainty,
             chance=chance,
-            largest=largest_in_words,
+            hidden=hidden_in_words,
             arm=arm,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],
             errors=errors_svg(result),

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from armodal.analyzer.gap.records import Interval, LineDeviation
-from armodal.analyzer.report.effect_words import chance, largest_in_words, mechanics
+from armodal.analyzer.report.effect_words import chance, hidden_in_words, mechanics
 from armodal.protocols.printable import printable
 from armodal.tui.fitting_table import FittingTable
 from armodal.tui.screens.review.gap_map import gap_map
@@ -259,14 +259,11 @@ def _hidden(found: Mapping[str, Any]) -> RenderableType | None:
     table = _table("effect", "place", "parameter", "")
     for row in rows:
         what = str(row.get("title") or row.get("name", "?"))
-        cells = (str(row.get(key, "?")) for key in ("place", "parameter"))
-        largest, unit = row.get("largest"), str(row.get("unit", ""))
-        _add(
-            table,
-            what,
-            *cells,
-            largest_in_words(largest, unit) if isinstance(largest, (int, float)) else "?",
-        )
+        size, largest, unit = (row.get(key) for key in ("parameter", "largest", "unit"))
+        told = str(size or "?"), "?"
+        if isinstance(largest, (int, float)):
+            told = hidden_in_words(told[0], largest, str(unit or ""))
+        _add(table, what, str(row.get("place", "?")), str(row.get("words") or told[0]), told[1])
     return _titled("Could still hide, 95 %", table)
 
 
