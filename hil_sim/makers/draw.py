@@ -13,12 +13,14 @@ from armodal.hil_sim.streams import stream
 __all__ = ["draw_cases"]
 
 
-def draw_cases(maker: str, seed: int, *, nulls: int, effects: int) -> tuple[CaseSpec, ...]:
+def draw_cases(
+    maker: str, seed: int, *, nulls: int, effects: int, version: int | None = None
+) -> tuple[CaseSpec, ...]:
     """Draw the cases of a study on arms of one maker.
 
     Nulls go round arms and wrists; effects go round the maker's, each with another size, arm and
     wrist every round. Each choice has a stream of its own: more cases, or another effect, leave the
-    others as they are.
+    others as they are, and a seed of one `version` of the maker's library is drawn alike for ever.
 
     Raises
     ------
@@ -26,7 +28,9 @@ def draw_cases(maker: str, seed: int, *, nulls: int, effects: int) -> tuple[Case
         If there is no such maker, or a package it needs is not installed.
     """
     streams = partial(stream, seed, "study", maker)
-    names = sorted(effects_of(maker), key=lambda name: float(streams("round", name).random()))
+    names = sorted(
+        effects_of(maker, version), key=lambda name: float(streams("round", name).random())
+    )
     wanted: list[tuple[tuple[str, ...], str, str, str, int]] = []
     homes = list(itertools.product(ARMS, WRISTS))
     turn = streams("nulls").permutation(len(homes))

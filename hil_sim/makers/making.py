@@ -77,15 +77,25 @@ def case_of(spec: CaseSpec) -> Case:
     return Case(spec, _part(spec.maker, "maker").made(arm_table(spec.arm), spec))
 
 
-def effects_of(maker: str) -> tuple[str, ...]:
+def effects_of(maker: str, version: int | None = None) -> tuple[str, ...]:
     """Return the effects that a maker can hide, one a module of its folder.
+
+    Parameters
+    ----------
+    version
+        Of the maker's library: a module that came later tells so by its `SINCE`. All when omitted.
 
     Raises
     ------
     PlantError
         If there is no such maker, or a package it needs is not installed.
     """
-    return tuple(_part(maker, "maker").EFFECTS)
+    modules = _part(maker, "maker").EFFECTS
+    return tuple(
+        name
+        for name, module in modules.items()
+        if version is None or getattr(module, "SINCE", 1) <= version
+    )
 
 
 def arms_of(maker: str, effect: str) -> tuple[str, ...]:

@@ -1,10 +1,13 @@
 """The seed of an official study is its commit's; cases of other makers are drawn from it."""
 
+import importlib
 import subprocess
+from hashlib import sha256
+from types import SimpleNamespace
 
 import pytest
 
-from armodal.hil_sim.makers import ARMS, WRISTS, draw_cases, effects_of
+from armodal.hil_sim.makers import ARMS, MAKERS, WRISTS, draw_cases, effects_of
 from armodal.protocols.errors import SessionError
 from armodal.study.cases import case_of
 from armodal.study.official import official_seed
@@ -61,6 +64,23 @@ def test_more_cases_leave_the_others_as_they_are():
     more = draw_cases("frame", 3, nulls=8, effects=9)
     told = {(s.kinds, s.size_class, s.arm, s.wrist, s.seed) for s in more}
     assert {(s.kinds, s.size_class, s.arm, s.wrist, s.seed) for s in few} <= told
+
+
+def test_an_effect_that_came_later_leaves_the_seeds_of_a_library_as_they_were(monkeypatch):
+    def drawn(maker, version=None):
+        specs = draw_cases(maker, 3, nulls=20, effects=60, version=version)
+        told = [(s.number, s.arm, s.wrist, s.seed, s.kinds, s.size_class) for s in specs]
+        return sha256(repr(told).encode()).hexdigest()[:16]
+
+    of_first = {maker: drawn(maker, 1) for maker in MAKERS}
+    # As drawn when there was one library.
+    assert of_first == {"frame": "07d1c5129a3e1ac2", "mujoco": "c97d2a6269655982"}
+    for maker in MAKERS:
+        modules = importlib.import_module(f"armodal.hil_sim.makers.{maker}.maker").EFFECTS
+        later = {**modules, "later": SimpleNamespace(SINCE=2)}
+        monkeypatch.setattr(f"armodal.hil_sim.makers.{maker}.maker.EFFECTS", later)
+        assert drawn(maker, 1) == of_first[maker]
+        assert drawn(maker) != of_first[maker]
 
 
 def test_a_case_of_another_maker_is_closed_by_its_specification():

@@ -82,7 +82,7 @@ def gap_study_command(
         seed, commit = official_seed(Path(armodal.study.__file__).parent)
         say(f"official: seed {seed} of commit {commit}")
     specs: tuple[AnySpec, ...]
-    version = version or (VERSION if whole else 1)
+    own_version, version = version, version or (VERSION if whole else 1)
     if maker == HOME:
         specs = draw_study(
             seed,
@@ -96,7 +96,7 @@ def gap_study_command(
     elif maker not in every_maker():
         raise PlantError(f"no maker is called {maker!r}; wanted one of {', '.join(every_maker())}")
     else:
-        specs = draw_cases(maker, seed, nulls=nulls, effects=effects)
+        specs = draw_cases(maker, seed, nulls=nulls, effects=effects, version=own_version)
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / f"study-{maker}-{seed}.jsonl"
 
