@@ -101,6 +101,7 @@ def gains_of(spec: CaseSpec, n: int) -> list[Gain]:
         null = replace(fit.hypothesis, instances=(priors,))
         null_look = evidence(drawn, null, fit.values)
         null_fit = fit_hypothesis(drawn, null, start=fit.values, max_iterations=STEPS)
+        own: list[tuple[str, float, Fit]] = []
         for instance in one_of_each_kind(fit):
             rival = replace(null, instances=(priors, small(instance)))
             look = null_look - evidence(drawn, rival, fit.values)
@@ -110,8 +111,12 @@ def gains_of(spec: CaseSpec, n: int) -> list[Gain]:
                 for start in (null_fit.values, begin)
                 if start
             ]
-            best = min(f.evidence for f in fits)
-            found.append((instance.effect.name, look, null_fit.evidence - best))
+            own.append((instance.effect.name, look, min(fits, key=lambda f: f.evidence)))
+        # As a search does: what leads may have led the model without it out of a worse minimum.
+        leads = min((best for *_, best in own), key=lambda f: f.evidence)
+        anew = fit_hypothesis(drawn, null, start=leads.values, max_iterations=STEPS)
+        least = min(anew.evidence, null_fit.evidence)
+        found += [(kind, look, least - best.evidence) for kind, look, best in own]
     return found
 
 

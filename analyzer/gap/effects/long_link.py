@@ -130,6 +130,7 @@ def given_way(
     return Instance(
         effect=words,
         place=line.name,
+        ends_at=tuple(joint.name for joint in ordinary.arm.joints[line.link : line.link + 2]),
         parameters=(
             size,
             loss_parameter(loss),

@@ -108,6 +108,7 @@ class Instance:
 
     effect: EffectWords
     place: str
+    ends_at: tuple[str, ...] = ()  # joints where it ends: what its form leaves, it leaves there too
     parameters: tuple[Parameter, ...] = ()
     relaxes: Mapping[str, Parameter] = field(default_factory=dict)  # by name: the wider prior
     builder: Builder | None = None
@@ -196,11 +197,14 @@ class Instance:
     def goes_with(self, others: Iterable[Instance]) -> bool:
         """Return whether it can be added to those that are there.
 
-        It excludes none, and is not what the form of one may leave at the same place.
+        It excludes none, and is not what the form of one may leave at the same place or its ends.
         """
         return not any(
             self.excludes(other)
-            or (other.place == self.place and self.effect.name in other.effect.leaves_here)
+            or (
+                self.place in (other.place, *other.ends_at)
+                and self.effect.name in other.effect.leaves_here
+            )
             for other in others
         )
 

@@ -359,7 +359,9 @@ def test_a_link_that_twists_may_be_an_axis_in_it_with_each_of_its_first_points_b
         assert np.linalg.norm(np.cross(own["direction"], line.along)) < 1e-9
 
 
-def test_beside_a_link_that_gives_way_along_a_line_no_axis_of_it_is_looked_for(ordinary):
+def test_beside_a_link_that_gives_way_along_a_line_no_axis_of_it_nor_bearing_at_its_ends_is_sought(
+    ordinary,
+):
     every = all_instances(ordinary)
     for name in ("link_bending", "link_torsion"):
         link = next(i for i in every if i.effect.name == name)
@@ -370,3 +372,11 @@ def test_beside_a_link_that_gives_way_along_a_line_no_axis_of_it_is_looked_for(o
             for own, n in numbers.items()
         }
         assert {own for own, axis in axes.items() if not goes_with(axis, present)} == {link.place}
+        # The line's ends are the bearings of its own joint and of the next one.
+        number = numbers[link.place]
+        turned_down = {
+            i.place for i in every if i.effect.name == "bearing" and not goes_with(i, present)
+        }
+        ends = {joint.name for joint in ordinary.arm.joints[number : number + 2]}
+        assert turned_down == ends == set(link.ends_at)
+        assert all(goes_with(link, Hypothesis(ordinary=ordinary, instances=(i,))) for i in every)
