@@ -11,7 +11,7 @@ from armodal.analyzer.gap.decision.judge import Judged, judge
 from armodal.analyzer.gap.decision.matters import MOST
 from armodal.analyzer.gap.decision.without_levels import LEVELS_NEEDED, is_alike
 from armodal.analyzer.gap.inference.fit import Fit, Stage
-from armodal.analyzer.gap.inference.left_out import left_out
+from armodal.analyzer.gap.inference.left_out import foretold_by_priors, left_out
 from armodal.analyzer.gap.inference.misfit import misfit_per_line
 from armodal.analyzer.gap.search.rivals import Rivals
 
@@ -79,11 +79,27 @@ def step_to(
     if beyond and _explained(stage, present, better) < least:
         return None, "is the best of the library, but leaves most of what is missing"
     tell(f"each posture from the others: {better.hypothesis.name}")
-    with_it = left_out(stage, better)
-    gains = {name: s - with_it[name] for name, s in left_out(stage, present).items()}
-    if sum(gains.values()) < judged.calibration.apart:
+    ways = [left_out]
+    if not better.last.parameters:
+        # What only widens a prior changes no prediction from postures that tell the same anyway:
+        # each of them, alone, must speak against what is believed.
+        ways.append(foretold_by_priors)
+    gains = max((_gains(stage, present, better, way) for way in ways), key=_sum)
+    if _sum(gains) < judged.calibration.apart:
         return None, "fits better but does not predict a posture from the others"
     return Step(without=present, fit=better, gains=gains, judged=judged), ""
+
+
+def _gains(
+    stage: Stage, present: Fit, better: Fit, way: Callable[[Stage, Fit], dict[str, float]]
+) -> dict[str, float]:
+    """How much better each posture is foretold in a way, nats by its name."""
+    with_it = way(stage, better)
+    return {name: s - with_it[name] for name, s in way(stage, present).items()}
+
+
+def _sum(gains: dict[str, float]) -> float:
+    return sum(gains.values())
 
 
 def _explained(stage: Stage, present: Fit, better: Fit) -> float:

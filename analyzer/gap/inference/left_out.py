@@ -9,7 +9,10 @@ data,
             + ln det A / 2 - ln det(A - H_p) / 2 .
 
 So no posture needs a fit of its own. What is known only in one, its aim and its mountings, is
-integrated out likewise.
+integrated out likewise. From none of the others, but from the priors alone, with u the end in prior
+deviations, it is
+
+    -ln p = C_p + u'u / 2 - (u + g_p)'(I + H_p)^-1 (u + g_p) / 2 + ln det(I + H_p) / 2 .
 
 References
 ----------
@@ -23,8 +26,9 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.weigh import Quadratic
 
-__all__ = ["left_out"]
+__all__ = ["foretold_by_priors", "left_out"]
 
 Array = npt.NDArray[np.float64]
 
@@ -43,20 +47,45 @@ def left_out(stage: Stage, fit: Fit) -> dict[str, float]:
     -------
         Nats by the posture's name, up to a constant that no hypothesis changes.
     """
+    parts = _of_postures(stage, fit)
+    A = np.eye(int(fit.free.sum())) + sum(part.curvature for part in parts.values())
+    slope = fit.u[fit.free] + sum(part.gradient for part in parts.values())
+    whole = _log_density(A, slope)
+    return {
+        name: part.cost + _log_density(A - part.curvature, slope - part.gradient) - whole
+        for name, part in parts.items()
+    }
+
+
+def foretold_by_priors(stage: Stage, fit: Fit) -> dict[str, float]:
+    """Return minus the log density of each posture's data, foretold from none of the others.
+
+    What is believed before any measurement tells it; arguments and returns as of `left_out`.
+    """
+    u = fit.u[fit.free]
+    believed = 0.5 * float(fit.u @ fit.u)
+    return {
+        name: part.cost
+        + believed
+        - _log_density(np.eye(len(u)) + part.curvature, u + part.gradient)
+        for name, part in _of_postures(stage, fit).items()
+    }
+
+
+def _of_postures(stage: Stage, fit: Fit) -> dict[str, Quadratic]:
+    """Each posture's part of the quadratic about a fit's end, of its free parameters."""
     f = fit.free
     parts = stage.quadratics(fit.hypothesis, fit.space, fit.values, range(len(stage.lines)))
-    slopes = [part.gradient[f] for part in parts]
-    curvatures = [part.curvature[np.ix_(f, f)] for part in parts]
-    A, slope = np.eye(int(f.sum())) + sum(curvatures), fit.u[f] + sum(slopes)
-    whole = _log_density(A, slope)
-    surprise = {}
-    for name in dict.fromkeys(lines.name for lines in stage.lines):
-        own = [p for p, lines in enumerate(stage.lines) if lines.name == name]
-        others = _log_density(
-            A - sum(curvatures[p] for p in own), slope - sum(slopes[p] for p in own)
+    found: dict[str, Quadratic] = {}
+    for lines, part in zip(stage.lines, parts, strict=True):
+        before = found.get(lines.name)
+        gradient, curvature = part.gradient[f], part.curvature[np.ix_(f, f)]
+        found[lines.name] = Quadratic(
+            cost=part.cost + (before.cost if before else 0.0),
+            gradient=gradient + (before.gradient if before else 0.0),
+            curvature=curvature + (before.curvature if before else 0.0),
         )
-        surprise[name] = others - whole + sum(parts[p].cost for p in own)
-    return surprise
+    return found
 
 
 def _log_density(curvature: Array, slope: Array) -> float:

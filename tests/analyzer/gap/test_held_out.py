@@ -14,7 +14,7 @@ from armodal.analyzer.gap.decision.naming import step_to
 from armodal.analyzer.gap.effects import bearing
 from armodal.analyzer.gap.inference.fit import TOLERANCE, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out
-from armodal.analyzer.gap.inference.left_out import left_out
+from armodal.analyzer.gap.inference.left_out import foretold_by_priors, left_out
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.space import Parameter, Space
@@ -70,11 +70,11 @@ def stage():
     return LinearStage(slopes, slopes @ truth + rng.standard_normal((5, N_DATA)))
 
 
-def predictive(stage, posture):
-    """-ln p of a posture's data, given the others."""
+def predictive(stage, posture, *, given):
+    """-ln p of a posture's data, given the others or none."""
     mean, std = np.array([(p.mean, p.std) for p in PARAMETERS]).T
-    known = [p for p in range(len(stage.data)) if p != posture]
-    J, y = np.concatenate(stage.slopes[known]), np.concatenate(stage.data[known])
+    known = [p for p in range(len(stage.data)) if p != posture] if given else slice(0)
+    J, y = stage.slopes[known].reshape(-1, len(PARAMETERS)), stage.data[known].reshape(-1)
     prior = np.diag(std**2)
     gain = prior @ J.T @ np.linalg.inv(J @ prior @ J.T + np.eye(len(y)))
     mean = mean + gain @ (y - J @ mean)
@@ -91,11 +91,12 @@ def fit_to(stage, **more):
 
 
 @pytest.mark.parametrize("steps", [0, 12])
-def test_a_posture_s_surprise_is_its_predictive_log_density_given_the_others(stage, steps):
+@pytest.mark.parametrize(("way", "given"), [(left_out, True), (foretold_by_priors, False)])
+def test_a_posture_s_surprise_is_its_predictive_log_density(stage, steps, way, given):
     """Laplace's integrals of a linear problem with Gaussian priors are exact, wherever taken."""
-    found = left_out(stage, fit_to(stage, max_iterations=steps))
+    found = way(stage, fit_to(stage, max_iterations=steps))
     constant = 0.5 * N_DATA * np.log(2.0 * np.pi)
-    wanted = [predictive(stage, p) for p in range(len(stage.data))]
+    wanted = [predictive(stage, p, given=given) for p in range(len(stage.data))]
     assert [*found] == [lines.name for lines in stage.lines]
     # 1e-9: rounding, of integrals that are some thousand nats where nothing was fitted.
     np.testing.assert_allclose(np.array([*found.values()]) + constant, wanted, rtol=1e-9)
@@ -123,6 +124,7 @@ def test_the_training_has_not_seen_what_is_held_out(stage):
 
 APART = 6.0  # nats
 TERM = Instance(effect=bearing.WORDS, place="j1", parameters=PARAMETERS[:1])
+WIDER = Instance(effect=bearing.WORDS, place="j1", relaxes={"a": PARAMETERS[0]})
 OF_1000 = SimpleNamespace(
     weighings=[SimpleNamespace(n=1000)], lines=[SimpleNamespace(name=name) for name in "pq"]
 )
@@ -159,6 +161,22 @@ def test_with_a_name_postures_must_be_foretold_better_from_the_others(gain, is_t
         assert doubt == ""
     else:
         assert "does not predict" in doubt
+
+
+@pytest.mark.parametrize(("instance", "is_taken"), [(TERM, False), (WIDER, True)])
+def test_what_only_widens_a_prior_may_speak_against_what_is_believed(
+    instance, is_taken, monkeypatch
+):
+    """Of a hammer's gain each posture tells the masses that go with it: from them all is alike."""
+    present, better = fit_that_leaves(0.7), fit_that_leaves(0.6, instance)
+    gained = {id(present): APART, id(better): 0.0}
+    monkeypatch.setattr(
+        naming, "foretold_by_priors", lambda stage, fit: dict.fromkeys("pq", gained[id(fit)])
+    )
+    step, _ = step_where(better, present, {"p": 0.1, "q": -0.1}, monkeypatch)
+    assert (step is not None) == is_taken
+    if is_taken:
+        assert step.gains == {"p": APART, "q": APART}
 
 
 @pytest.mark.parametrize(
