@@ -30,12 +30,12 @@ from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.search.candidates import others_beside
-from armodal.analyzer.gap.search.replicas import _within
+from armodal.analyzer.gap.search.race import MOST_STEPS
+from armodal.analyzer.gap.search.replicas import within_nature
 from armodal.analyzer.gap.search.scan import scan_instances, small
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.makers import CaseSpec, case_of, draw_cases
 
-STEPS = 28  # of a fit, as the search has them
 Gain = tuple[str, float, float]  # kind; by a look, by a fit
 
 
@@ -54,8 +54,7 @@ def replicas(stage: Stage, fit: Fit, n: int) -> Iterator[tuple[Stage, Instance]]
     rng = np.random.default_rng(0)
     parts = sensitivities(stage, fit.hypothesis, fit.space, fit.values)
     free = np.flatnonzero(fit.free)
-    pull = (fit.u / fit.space.std)[free] * fit.space.std[free]
-    parts = settled(parts, free, curvature_of(parts)[np.ix_(free, free)], pull)
+    parts = settled(parts, free, curvature_of(parts)[np.ix_(free, free)], fit.u[free])
     modes = [
         np.linalg.svd(np.ascontiguousarray(e, dtype=np.float64).view(complex), full_matrices=False)
         for e in released(parts, free)
@@ -75,7 +74,7 @@ def replicas(stage: Stage, fit: Fit, n: int) -> Iterator[tuple[Stage, Instance]]
             weighings.append(own)
         drawn.weighings = tuple(weighings)
         least, most = fit.space.least[free], fit.space.most[free]
-        off = _within(least, most, rng.random((len(free), 1)))[:, 0]
+        off = within_nature(least, most, rng.random((len(free), 1)))[:, 0]
         moved = {}
         for i, by in zip(free, off, strict=True):
             p = fit.space.parameters[i]
@@ -100,21 +99,21 @@ def gains_of(spec: CaseSpec, n: int) -> list[Gain]:
     for drawn, priors in replicas(stage, fit, n):
         null = replace(fit.hypothesis, instances=(priors,))
         null_look = evidence(drawn, null, fit.values)
-        null_fit = fit_hypothesis(drawn, null, start=fit.values, max_iterations=STEPS)
+        null_fit = fit_hypothesis(drawn, null, start=fit.values, max_iterations=MOST_STEPS)
         own: list[tuple[str, float, Fit]] = []
         for instance in one_of_each_kind(fit):
             rival = replace(null, instances=(priors, small(instance)))
             look = null_look - evidence(drawn, rival, fit.values)
             begin = scan_instances(drawn, null_fit, [instance])[0].begin
             fits = [
-                fit_hypothesis(drawn, rival, start=start, max_iterations=STEPS)
+                fit_hypothesis(drawn, rival, start=start, max_iterations=MOST_STEPS)
                 for start in (null_fit.values, begin)
                 if start
             ]
             own.append((instance.effect.name, look, min(fits, key=lambda f: f.evidence)))
         # As a search does: what leads may have led the model without it out of a worse minimum.
         leads = min((best for *_, best in own), key=lambda f: f.evidence)
-        anew = fit_hypothesis(drawn, null, start=leads.values, max_iterations=STEPS)
+        anew = fit_hypothesis(drawn, null, start=leads.values, max_iterations=MOST_STEPS)
         least = min(anew.evidence, null_fit.evidence)
         found += [(kind, look, least - best.evidence) for kind, look, best in own]
     return found

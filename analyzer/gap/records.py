@@ -65,7 +65,7 @@ class EffectFound:
     description: Mapping[str, object]  # direction and place of an axis, in the link's frame
     confidence: float  # that it is this and no other effect of the library, and no chance
     gain: float  # of evidence over the model without it, nats
-    held_out_gain: float  # of log densities of postures, each foretold from the others, nats
+    held_out_gain: float  # of log densities of postures, each foretold without itself, nats
     signature: str
     confused_with: tuple[str, ...]  # titles of effects
     told_by: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -13,7 +14,12 @@ from armodal.protocols.errors import PlantError
 from armodal.protocols.plan import load_plan
 from armodal.protocols.plan_records import Plan
 
-__all__ = ["STUDY_ARMS", "StudyArm", "study_arm"]
+__all__ = ["STUDY_ARMS", "StudyArm", "compliance_of", "study_arm"]
+
+
+def compliance_of(springs: Sequence[float]) -> float:
+    """Geometric mean of the first three springs' compliance in rad / N m."""
+    return float(np.exp(-np.mean(np.log(springs[:3]))))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,8 +34,9 @@ class StudyArm:
     @property
     def joint_compliance(self) -> float:
         """Geometric mean of the first three joints' compliance in rad / N m."""
-        springs = [joint.stiffness.value for joint in self.arm.joints if joint.stiffness]
-        return float(np.exp(-np.mean(np.log(springs[:3]))))
+        return compliance_of(
+            [joint.stiffness.value for joint in self.arm.joints if joint.stiffness]
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from armodal.hil_sim.plant import Plant, build_plant
 from armodal.hil_sim.plant_file import PlantFile
 from armodal.hil_sim.streams import Streams, stream
-from armodal.hil_sim.study.arms import StudyArm
+from armodal.hil_sim.study.arms import StudyArm, compliance_of
 from armodal.hil_sim.study.plant_of_arm import plant_file_of_arm
 from armodal.protocols.arm.records import Arm
 
@@ -115,7 +115,7 @@ def _wrong_link(link: Tables, streams: Streams) -> Tables:
 
 def _background(study: StudyArm, springs: Sequence[float | None], streams: Streams) -> list[Tables]:
     """Weak modes, hysteretic damping, encoders and skew: effects too small to be named."""
-    compliance = float(np.exp(-np.mean(np.log([k for k in springs if k is not None][:3]))))
+    compliance = compliance_of([k for k in springs if k is not None])
     effects: list[Tables] = [_floor(study, compliance, streams)]
     for joint, stiffness in zip(study.arm.joints, springs, strict=True):
         name = joint.name

@@ -77,11 +77,11 @@ class Ordinary:
     @property
     def compliance(self) -> float:
         """Return the arm's own compliance, rad/(N m) (`scales.compliance`)."""
-        return compliance(self._sized)
+        return compliance(self.sized)
 
     def scale(self, joint: int) -> float:
         """Return what a joint's drive gives way by, or would, rad/(N m) (`scales.scale`)."""
-        return scale(self._sized, joint)
+        return scale(self.sized, joint)
 
     def drives(self, joint: int | None = None) -> tuple[tuple[str, float], ...]:
         """Return ln k, name and value, of the drives that `scale` is of, or `compliance`."""
@@ -90,7 +90,7 @@ class Ordinary:
             told = told[:3]
         elif joint in told:
             told = (joint,)
-        own = [(self._sized.arm.joints[i].name, scale(self._sized, i)) for i in told]
+        own = [(self.sized.arm.joints[i].name, scale(self.sized, i)) for i in told]
         return tuple((f"ln k {name}", -float(np.log(yields))) for name, yields in own)
 
     def beside_drives(self, values: Mapping[str, float]) -> Ordinary:
@@ -126,7 +126,7 @@ class Ordinary:
 
     def bearing_limit(self, joint: int) -> float:
         """Return the largest transverse compliance of a sound joint, rad/(N m)."""
-        return doubt(self._sized, joint) * BEARING_LIMIT * self.scale(joint)
+        return doubt(self.sized, joint) * BEARING_LIMIT * self.scale(joint)
 
     @property
     def floor_limit(self) -> float:
@@ -139,7 +139,8 @@ class Ordinary:
         return base_lever_m(self.superset)
 
     @property
-    def _sized(self) -> Superset:
+    def sized(self) -> Superset:
+        """Return the arm whose drives ordinary compliances are parts of."""
         return self.fitted or self.superset
 
     def parameters(self) -> tuple[Parameter, ...]:
@@ -294,7 +295,7 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
             high=1.0,
         )
     )
-    found += soft_part_parameters(ordinary.fitted or ordinary.superset)
+    found += soft_part_parameters(ordinary.sized)
     # The lever is the plate's radius over root 2.
     found += base_body_parameters(ordinary.superset, float(np.sqrt(2.0)) * ordinary.base_lever_m)
     for joint in arm.joints:

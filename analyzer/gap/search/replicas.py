@@ -39,7 +39,7 @@ from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.search.scan import small
 
-__all__ = ["Gains", "replica_gains"]
+__all__ = ["Gains", "replica_gains", "within_nature"]
 
 Array = npt.NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def replica_gains(
     parts = settled(parts, fitted, H[np.ix_(fitted, fitted)], _pull(best, space))
     rng = np.random.default_rng(seed)
     G = _drawn(parts, fitted, rng)
-    prior = _within(space.least[free], space.most[free], rng.random((len(free), _N_REPLICAS)))
+    prior = within_nature(space.least[free], space.most[free], rng.random((len(free), _N_REPLICAS)))
     covariance = np.linalg.inv(H[np.ix_(free, free)] + np.eye(len(free)))
     back = covariance @ (G[free] + prior)
 
@@ -159,7 +159,7 @@ def _drawn(
     return drawn
 
 
-def _within(least: Array, most: Array, even: Array) -> Array:
+def within_nature(least: Array, most: Array, even: Array) -> Array:
     """Ordinary errors (n, n_replicas) of even draws, within the bounds (n,) that nature sets.
 
     No compliance is negative, and one beyond its bound is an effect, which no replica has. Where a
