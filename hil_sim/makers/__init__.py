@@ -7,7 +7,7 @@ session in common.
 from armodal.hil_sim.makers.arms import ARMS, WRISTS
 from armodal.hil_sim.makers.case import SIZES, Case, CaseFiles, CaseSpec, write_case
 from armodal.hil_sim.makers.draw import draw_cases
-from armodal.hil_sim.makers.making import MAKERS, case_of, effects_of, make_case
+from armodal.hil_sim.makers.making import MAKERS, case_of, effects_of, make_case, newest_version
 
 __all__ = [
     "ARMS",
@@ -21,5 +21,6 @@ __all__ = [
     "draw_cases",
     "effects_of",
     "make_case",
+    "newest_version",
     "write_case",
 ]

@@ -98,6 +98,11 @@ def effects_of(maker: str, version: int | None = None) -> tuple[str, ...]:
     )
 
 
+def newest_version(maker: str) -> int:
+    """Return the version of a maker's library that has all of its effects."""
+    return max(getattr(module, "SINCE", 1) for module in _part(maker, "maker").EFFECTS.values())
+
+
 def arms_of(maker: str, effect: str) -> tuple[str, ...]:
     """Return the arms in which a maker's effect has a place."""
     arms: tuple[str, ...] = getattr(_part(maker, "maker").EFFECTS[effect], "ARMS", ARMS)

@@ -10,7 +10,7 @@ import typer
 from rich.table import Table
 
 import armodal.study
-from armodal.hil_sim.makers import draw_cases
+from armodal.hil_sim.makers import draw_cases, newest_version
 from armodal.hil_sim.study import LIBRARY, OUTSIDE, VERSION, CaseSpec, draw_study, library
 from armodal.protocols.errors import PlantError
 from armodal.protocols.text_file import replace_text
@@ -59,7 +59,7 @@ def gap_study_command(
             "--library",
             min=1,
             max=VERSION,
-            help="Version of the library; the newest with --whole, else the first.",
+            help="Version of the library; the newest, but without --whole home's first.",
         ),
     ] = None,
     curves: Annotated[
@@ -82,8 +82,8 @@ def gap_study_command(
         seed, commit = official_seed(Path(armodal.study.__file__).parent)
         say(f"official: seed {seed} of commit {commit}")
     specs: tuple[AnySpec, ...]
-    own_version, version = version, version or (VERSION if whole else 1)
     if maker == HOME:
+        version = version or (VERSION if whole else 1)
         specs = draw_study(
             seed,
             nulls=nulls,
@@ -96,7 +96,8 @@ def gap_study_command(
     elif maker not in every_maker():
         raise PlantError(f"no maker is called {maker!r}; wanted one of {', '.join(every_maker())}")
     else:
-        specs = draw_cases(maker, seed, nulls=nulls, effects=effects, version=own_version)
+        version = version or newest_version(maker)
+        specs = draw_cases(maker, seed, nulls=nulls, effects=effects, version=version)
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / f"study-{maker}-{seed}.jsonl"
 
@@ -117,8 +118,7 @@ def gap_study_command(
     rows = curve_rows(learned) if learned else []
     tables = study_tables(summary, rows)
     command = _command(specs, maker, "--official" if official else f"--seed {seed}", tests, curves)
-    command += f" --library {version}" if maker == HOME else ""
-    command += f"{' --whole' if whole else ''} --page PAGE"
+    command += f" --library {version}{' --whole' if whole else ''} --page PAGE"
     if page is not None:
         replace_text(page, study_page(tables, command, commit))
     if as_json:
