@@ -26,7 +26,8 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.identification.identify import estimate_frfs
 from armodal.hil_sim.study import CaseSpec, sealed
-from armodal.study.score import instance_of_truth, size_of_truth
+from armodal.hil_sim.study.true_effects import size_of_truth
+from armodal.study.score import instance_of_truth
 
 CASES = [
     f"{arm}:{kind}:clear:{seed}"

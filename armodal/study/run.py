@@ -22,18 +22,13 @@ from armodal.analyzer.gap.inference.held_out import held_out
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.workflow import GapOutcome, find_gap
+from armodal.hil_sim.study.true_effects import ordinary_beside, size_of_truth
 from armodal.protocols.errors import ArmodalError
 from armodal.study.cases import AnySpec, case_of
 from armodal.study.further_tests import further
 from armodal.study.kept_lines import Line, kept_lines, run_and_keep
 from armodal.study.pace import pace
-from armodal.study.score import (
-    instance_of_truth,
-    mark,
-    ordinary_beside,
-    size_found,
-    size_of_truth,
-)
+from armodal.study.score import instance_of_truth, mark, size_found
 
 __all__ = ["run_case", "run_study", "seal_hashes"]
 

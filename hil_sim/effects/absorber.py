@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, plain, unit, within
 from armodal.hil_sim.effects.hung import Hung
@@ -57,4 +58,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"absorber": _of_file}
+COMPARED = {"absorber": told("mass_kg")}
 HIDES = {"absorber": Hides(hide=hide, since=3, sized=True)}

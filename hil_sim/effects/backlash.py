@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import swing_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
@@ -18,7 +19,7 @@ from armodal.hil_sim.truth import Positive
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Backlash"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Backlash"]
 
 PLAY = 0.2  # half of it / swing after a hit of middle level
 
@@ -68,4 +69,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"backlash": _of_file}
+COMPARED = {"backlash": told("part")}
 HIDES = {"backlash": Hides(hide=hide, since=2)}

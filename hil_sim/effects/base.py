@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Inertial, Segment, Spring
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s
@@ -19,7 +20,7 @@ from armodal.hil_sim.truth import Positive, Truth, Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Base", "BaseSpring"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Base", "BaseSpring"]
 
 _RADII_2_M2 = (
     0.01,
@@ -151,5 +152,15 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("base", "base", table, base_mass_kg=mass, **parameters)
 
 
+def _about_line_found(true: TrueEffect) -> float:
+    """How soft it is about the level line that was found."""
+    p = true.parameters
+    cross = p.get("rock_xy_n_m_per_rad", 0.0)
+    rocking = np.array([[p["rock_x_n_m_per_rad"], cross], [cross, p["rock_y_n_m_per_rad"]]])
+    line = np.asarray(true.found.get("rock_x_about", (1.0, 0.0)), dtype=np.float64)[:2]
+    return float(line @ np.linalg.solve(rocking, line))
+
+
 OF_FILE = {"base": _of_file}
+COMPARED = {"base": Compared(size=_about_line_found)}
 HIDES = {"base": Hides(hide=hide, since=1)}

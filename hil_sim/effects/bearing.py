@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s
@@ -16,7 +17,7 @@ from armodal.hil_sim.effects.interface_loss import loss_of_file
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Bearing", "across"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Bearing", "across"]
 
 BEARING = 0.1  # of the arm's own joint compliance, both ways across
 
@@ -96,4 +97,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"bearing": _of_file}
+COMPARED = {"bearing": told("compliance_rad_per_n_m")}
 HIDES = {"bearing": Hides(hide=hide, since=1)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
@@ -10,15 +11,21 @@ from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly
 from armodal.hil_sim.effects.bearing import across
+from armodal.hil_sim.effects.compared import Compared
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
 from armodal.hil_sim.effects.hidden import Hidden, Hides, plain, unit
-from armodal.hil_sim.effects.sliced_link import SlicedLink, all_along, slices_of_file
+from armodal.hil_sim.effects.sliced_link import (
+    SlicedLink,
+    all_along,
+    slices_of_file,
+    yield_per_length,
+)
 from armodal.hil_sim.truth import Positive, Vector
 
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Bending"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Bending"]
 
 _WORD = "bend"  # in the names of its hinges
 
@@ -83,4 +90,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"link_bending": _of_file}
+COMPARED = {"link_bending": Compared(size=partial(yield_per_length, "bending_stiffness_n_m2"))}
 HIDES = {"link_bending": Hides(hide=hide, since=2, apart_from=("link_torsion", "link_axis"))}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -16,7 +17,7 @@ from armodal.protocols.errors import PlantError
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Coupling"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Coupling"]
 
 COUPLING = 0.4  # of the geometric mean of both stiffnesses
 
@@ -89,5 +90,11 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("coupling", list(pair), table, cross_stiffness_n_m_per_rad=float(k))
 
 
+def _by_believed_mean(true: TrueEffect) -> float:
+    both = [true.believed_n_m_per_rad[joint] for joint in true.place]
+    return float(true.parameters["cross_stiffness_n_m_per_rad"] / np.sqrt(np.prod(both)))
+
+
 OF_FILE = {"coupling": _of_file}
+COMPARED = {"coupling": Compared(size=_by_believed_mean)}
 HIDES = {"coupling": Hides(hide=hide, since=1, sized=True, apart_from=("wrist_coupling",))}

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain
@@ -16,7 +17,7 @@ from armodal.protocols.errors import PlantError
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Dashpot"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Dashpot"]
 
 DASHPOT = 2.0  # about the joints between its ends, of their mean damping
 
@@ -97,4 +98,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"nonproportional": _of_file}
+COMPARED = {"nonproportional": told("damping_n_s_per_m")}
 HIDES = {"nonproportional": Hides(hide=hide, since=2, sized=True)}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -17,7 +18,7 @@ from armodal.hil_sim.truth import Positive
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Delay"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Delay"]
 
 DELAY_S = 6e-4
 
@@ -53,5 +54,19 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("delay", "hammer" if of_hammer else "accelerometer", table, delay_s=late_s)
 
 
+def _size_s(true: TrueEffect) -> float:
+    """Of the accelerometer behind the hammer."""
+    return float(true.parameters["delay_s"] * (-1.0 if true.place == "hammer" else 1.0))
+
+
+def _others_s(true: TrueEffect) -> float:
+    if "plant" not in true.case:
+        return 0.0
+    same = [e for e in true.case["plant"]["effects"] if e["kind"] == "delay"]
+    total = sum(e["delay_s"] * (-1.0 if "hammer" in e["channels"] else 1.0) for e in same)
+    return float(total - _size_s(true))
+
+
 OF_FILE = {"delay": of_the_test}
+COMPARED = {"delay": Compared(size=_size_s, beside=_others_s)}
 HIDES = {"delay": Hides(hide=hide, since=1)}

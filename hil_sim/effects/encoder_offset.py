@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -15,7 +16,7 @@ from armodal.hil_sim.sensing import Sensing
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "EncoderOffset"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "EncoderOffset"]
 
 ENCODER_DEG = 4.0
 
@@ -49,5 +50,20 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("encoder_offset", joint, table, offset_deg=offset)
 
 
+def _beyond_reading(true: TrueEffect) -> float:
+    return -float(np.deg2rad(true.parameters["offset_deg"]))
+
+
+def _others(true: TrueEffect) -> float:
+    """Return the ordinary errors of the same encoder."""
+    if "plant" not in true.case:
+        return -float(true.case["encoder_offsets_rad"][true.place])
+    tables = true.case["plant"]["effects"]
+    same = [e for e in tables if e["kind"] == "encoder_offset" and e["joint"] == true.place]
+    total = sum(e["offset_deg"] for e in same)
+    return -float(np.deg2rad(total - true.parameters["offset_deg"]))
+
+
 OF_FILE = {"encoder_offset": _of_file}
+COMPARED = {"encoder_offset": Compared(size=_beyond_reading, beside=_others)}
 HIDES = {"encoder_offset": Hides(hide=hide, since=1, sized=True)}

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect, told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import spring_of, swing_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
@@ -19,7 +20,7 @@ from armodal.hil_sim.truth import Positive
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Friction"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Friction"]
 
 _SLIDERS = 8  # elements that the law of an arm file is made of, by its definition (`theory-gap.md`)
 _CREEPS = 1.0  # 1/s: less is none within the second that a hit rings
@@ -128,7 +129,13 @@ def _hidden(
     return hidden(name, joint, table, limit_n_m=limit, stiffness_n_m_per_rad=seat * k)
 
 
+def _seat(true: TrueEffect) -> float:
+    p = true.parameters
+    return float(p["stiffness_n_m_per_rad"] / p["beside_n_m_per_rad"])
+
+
 OF_FILE = {"friction": _friction, "microslip": _microslip}
+COMPARED = {"friction": told("limit_n_m"), "microslip": Compared(size=_seat)}
 HIDES = {
     "friction": Hides(hide=_hide_friction, since=2),
     "microslip": Hides(hide=_hide_microslip, since=2),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect, with_point_matrix
 from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, all_or_one_point, hidden
@@ -17,7 +19,7 @@ from armodal.hil_sim.truth import Positive
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "ChannelGain", "HammerGain"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "ChannelGain", "HammerGain"]
 
 # Logarithms of the factors by which a sensitivity is off.
 CHANNEL_GAIN = 0.25
@@ -72,7 +74,40 @@ def _factor(step: float, rng: np.random.Generator, magnitude: float) -> float:
     return float(np.exp(rng.choice([-1.0, 1.0]) * step * magnitude * about(rng)))
 
 
+def _logarithm(true: TrueEffect) -> float:
+    return float(np.log(true.parameters["factor"]))
+
+
+def _ordinary_hammer(true: TrueEffect) -> float:
+    if "plant" not in true.case:
+        return 0.0
+    return float(np.log1p(true.case["plant"]["hammer"]["gain_error"]))
+
+
+def _ordinary_channel(true: TrueEffect) -> float:
+    if "plant" not in true.case or true.place != "all":
+        return 0.0
+    axis = "xyz".index(true.parameters["axis"])
+    return float(np.log(true.case["plant"]["accelerometer"]["response"][axis][axis]))
+
+
+def _axis(true: TrueEffect) -> list[str]:
+    return [f"axis {true.parameters['axis']}"]
+
+
+def _at_point(true: TrueEffect) -> Mapping[str, object] | None:
+    if true.place == "all" or len(true.place) > 1:
+        return None
+    return {"axis": true.parameters["axis"], "sensor_point": true.place[0]}
+
+
 OF_FILE = {"channel_gain": of_the_test, "hammer_gain": of_the_test}
+COMPARED = {
+    "channel_gain": Compared(
+        size=_logarithm, beside=_ordinary_channel, places=_axis, described=_at_point
+    ),
+    "hammer_gain": Compared(size=_logarithm, beside=_ordinary_hammer),
+}
 HIDES = {
     "channel_gain": Hides(hide=_hide_channel_gain, since=1, placed=True),
     "hammer_gain": Hides(hide=_hide_hammer_gain, since=1),

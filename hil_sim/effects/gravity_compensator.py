@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import model_validator
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.file_law import spring_of
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
@@ -18,7 +19,7 @@ from armodal.hil_sim.truth import NotNegative, Part, Positive, Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "GravityCompensator", "lever_arms"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "GravityCompensator", "lever_arms"]
 
 _EYE_M = 0.2  # of the shorter lever of a cylinder of the file; its stiffness goes with it
 
@@ -146,5 +147,14 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     )
 
 
+def _where_square(true: TrueEffect) -> float:
+    """Where it stands square to the shorter of its levers: at home the eye's."""
+    p = true.parameters
+    lever_m = p.get("shorter_lever_m", np.linalg.norm(p["eye_m"]))
+    joint_n_m_per_rad = true.believed_n_m_per_rad[true.place]
+    return float(p["stiffness_n_per_m"] * lever_m**2 / joint_n_m_per_rad)
+
+
 OF_FILE = {"gravity_compensator": _of_file}
+COMPARED = {"gravity_compensator": Compared(size=_where_square)}
 HIDES = {"gravity_compensator": Hides(hide=hide, since=2, sized=True)}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain, unit
@@ -17,7 +18,7 @@ from armodal.hil_sim.truth import Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "HitDirection"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "HitDirection"]
 
 HIT_DEG = 12.0
 
@@ -47,5 +48,10 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("hit_direction", "hammer", table, turn_deg=list(plain(turn)))
 
 
+def _first_turn(true: TrueEffect) -> float:
+    return float(np.deg2rad(true.parameters["turn_deg"][0]))
+
+
 OF_FILE = {"hit_direction": of_the_test}
+COMPARED = {"hit_direction": Compared(size=_first_turn)}
 HIDES = {"hit_direction": Hides(hide=hide, since=2)}

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import scipy
 from pydantic import Field, model_validator
 
+from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, Unlike
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -155,4 +156,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"hysteretic": _of_file}
+COMPARED = {"hysteretic": told("loss_factor")}
 HIDES = {"hysteretic": Hides(hide=hide, since=1)}

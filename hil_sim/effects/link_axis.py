@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, loss_s, plain, unit
@@ -17,7 +19,7 @@ from armodal.hil_sim.truth import NotNegative, Positive, Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "LinkAxis"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "LinkAxis"]
 
 AXIS = 0.38  # of the arm's own joint compliance
 
@@ -107,5 +109,16 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     )
 
 
+def _compliance(true: TrueEffect) -> float:
+    return float(true.parameters["compliance_rad_per_n_m"])
+
+
+def _described(true: TrueEffect) -> Mapping[str, object]:
+    p = true.parameters
+    line = {key: tuple(p[key]) for key in ("direction", "point_m")}
+    return {"link": true.place, **line, "points_before": " ".join(p.get("points_before", ()))}
+
+
 OF_FILE = {"link_axis": _of_file}
+COMPARED = {"link_axis": Compared(size=_compliance, described=_described)}
 HIDES = {"link_axis": Hides(hide=hide, since=1, sized=True)}

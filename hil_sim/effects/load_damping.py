@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -15,7 +16,7 @@ from armodal.hil_sim.truth import Positive
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "LoadDamping"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "LoadDamping"]
 
 LOAD_DAMPING = 2.0  # more damping at the largest load of the postures
 
@@ -49,5 +50,10 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("load_damping", joint, table, load_n_m=load)
 
 
+def _per_load(true: TrueEffect) -> float:
+    return float(1.0 / true.parameters["load_n_m"])
+
+
 OF_FILE = {"load_damping": _of_file}
+COMPARED = {"load_damping": Compared(size=_per_load)}
 HIDES = {"load_damping": Hides(hide=hide, since=2, sized=True)}

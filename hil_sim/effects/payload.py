@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from armodal.hil_sim.assembly import Assembly, Inertial
+from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain, unit
@@ -16,7 +17,7 @@ from armodal.hil_sim.truth import Positive, Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Payload"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Payload"]
 
 PAYLOAD = 0.035  # of the arm's mass
 
@@ -79,4 +80,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"payload": _of_file}
+COMPARED = {"payload": told("mass_kg")}
 HIDES = {"payload": Hides(hide=hide, since=1, sized=True, larger_on={"bench57": 10.0, "ur5": 2.5})}

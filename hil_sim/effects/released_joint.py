@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -18,7 +19,7 @@ from armodal.protocols.errors import PlantError
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "ReleasedJoint"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "ReleasedJoint"]
 
 RELEASED = 7.5  # of the arm's own joint compliance
 
@@ -66,5 +67,10 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("released_joint", joint, table, stiffness_n_m_per_rad=k)
 
 
+def _compliance(true: TrueEffect) -> float:
+    return float(1.0 / true.parameters["stiffness_n_m_per_rad"])
+
+
 OF_FILE = {"released_joint": _of_file}
+COMPARED = {"released_joint": Compared(size=_compliance)}
 HIDES = {"released_joint": Hides(hide=hide, since=1, sized=True)}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect, told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -16,7 +17,7 @@ from armodal.hil_sim.truth import NotNegative, Positive
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Rotor"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Rotor"]
 
 ROTOR = 0.15  # of the inertia that the joint carries in the first posture
 SERVO = 0.4  # servo compliance / joint compliance
@@ -119,7 +120,12 @@ def _hide_servo(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -
     )
 
 
+def _of_servo(true: TrueEffect) -> float:
+    return float(1.0 / true.parameters["servo_stiffness_n_m_per_rad"])
+
+
 OF_FILE = {"rotor": _rotor, "servo": _servo}
+COMPARED = {"rotor": told("inertia_kg_m2"), "servo": Compared(size=_of_servo)}
 HIDES = {
     "rotor": Hides(
         hide=_hide_rotor, since=1, sized=True, apart_from=("servo",), larger_on={"bench57": 4.0}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden
@@ -16,7 +17,7 @@ from armodal.hil_sim.truth import Positive
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "SensorMass"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "SensorMass"]
 
 SENSOR_KG = 0.12
 
@@ -41,4 +42,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"sensor_mass": of_the_test}
+COMPARED = {"sensor_mass": told("extra_kg")}
 HIDES = {"sensor_mass": Hides(hide=hide, since=2)}

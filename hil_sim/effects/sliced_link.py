@@ -9,6 +9,7 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from armodal.hil_sim.assembly import Assembly, Spring
+from armodal.hil_sim.effects.compared import TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin, three
 from armodal.hil_sim.effects.hidden import Hidden, about, hidden, loss_s, plain
@@ -19,7 +20,7 @@ from armodal.hil_sim.truth import NotNegative, Positive, Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["SlicedLink", "all_along", "slices_of_file"]
+__all__ = ["SlicedLink", "all_along", "slices_of_file", "yield_per_length"]
 
 Array = npt.NDArray[np.float64]
 
@@ -140,6 +141,15 @@ def all_along(
         "loss": loss_s(rng),
     }
     return hidden(f"link_{kind}", link, table, **{key: stiffness})
+
+
+def yield_per_length(stiffness: str, true: TrueEffect) -> float:
+    """Return 1/(N m2); of one hinge by the length of the line found, which has both sides' turn."""
+    p = true.parameters
+    if not true.found or "hinge_n_m_per_rad" not in p:
+        return float(1.0 / p[stiffness])
+    start, end = (np.asarray(true.found[at], dtype=np.float64) for at in ("from_m", "to_m"))
+    return float(1.0 / (p["hinge_n_m_per_rad"] * np.linalg.norm(end - start)))
 
 
 def _long_link(places: ArmPlaces, rng: np.random.Generator) -> str:

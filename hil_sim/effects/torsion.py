@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from armodal.hil_sim.assembly import Assembly
+from armodal.hil_sim.effects.compared import Compared
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides
-from armodal.hil_sim.effects.sliced_link import SlicedLink, all_along, slices_of_file
+from armodal.hil_sim.effects.sliced_link import (
+    SlicedLink,
+    all_along,
+    slices_of_file,
+    yield_per_length,
+)
 from armodal.hil_sim.truth import Positive
 
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "Torsion"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "Torsion"]
 
 _WORD = "twist"  # in the names of its hinges
 
@@ -43,4 +50,5 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
 
 
 OF_FILE = {"link_torsion": _of_file}
+COMPARED = {"link_torsion": Compared(size=partial(yield_per_length, "torsional_stiffness_n_m2"))}
 HIDES = {"link_torsion": Hides(hide=hide, since=2, sized=True, apart_from=("link_axis",))}

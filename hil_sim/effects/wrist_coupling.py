@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about
@@ -16,7 +17,7 @@ from armodal.protocols.errors import PlantError
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "WristCoupling"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "WristCoupling"]
 
 WRIST_RATIO = 1.0
 STIFF_WRIST_HZ = 600.0  # of the driven link on its spring
@@ -94,5 +95,15 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     )
 
 
+def _as_coupling(true: TrueEffect) -> str | None:
+    """Gears that couple two joints with springs are a coupling: the same terms of K."""
+    return "coupling" if true.case.get("wrist") == "elastic" else None
+
+
+def _ratio(true: TrueEffect) -> float:
+    return float(true.parameters["ratio"])
+
+
 OF_FILE = {"wrist_coupling": _of_file}
+COMPARED = {"wrist_coupling": Compared(size=_ratio, named=_as_coupling)}
 HIDES = {"wrist_coupling": Hides(hide=hide, since=2, sized=True)}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from armodal.hil_sim.effects.compared import Compared, TrueEffect
 from armodal.hil_sim.effects.effect import BaseEffect
 from armodal.hil_sim.effects.from_file import of_the_test
 from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain, unit
@@ -17,7 +18,7 @@ from armodal.hil_sim.truth import Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-__all__ = ["HIDES", "OF_FILE", "ExchangedPoints", "MovedPoint"]
+__all__ = ["COMPARED", "HIDES", "OF_FILE", "ExchangedPoints", "MovedPoint"]
 
 MOVED_M = 0.12
 
@@ -61,5 +62,10 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     return hidden("wrong_point", [point], moved, by_m=places.in_file(link, by))
 
 
+def _first_shift(true: TrueEffect) -> float:
+    return float(true.parameters["by_m"][0])
+
+
 OF_FILE = {"wrong_point": of_the_test}
+COMPARED = {"wrong_point": Compared(size=_first_shift)}
 HIDES = {"wrong_point": Hides(hide=hide, since=2)}

@@ -1,14 +1,15 @@
-"""Nothing of the simulator's study knows an effect by name: each file hides its own."""
+"""Nothing of a study knows an effect by name: each file hides and compares its own."""
 
 import ast
 from pathlib import Path
 
 import pytest
 
+from armodal import study as studies
 from armodal.hil_sim import study
 from armodal.hil_sim.study.catalogue import HIDES, LIBRARY, OUTSIDE, stand_apart
 
-FOLDER = Path(study.__file__).parent
+FOLDERS = [Path(package.__file__).parent for package in (study, studies)]
 # Every arm has ordinary errors, which are tables of some of these kinds.
 ORDINARY = {"model_error.py", "nuisances.py"}
 # One hidden loss stands in place of all ordinary ones; a known mass is a payload; the arm's root.
@@ -17,8 +18,9 @@ OTHERWISE = {
     ("cases.py", "payload"),
     ("places.py", "base"),
     ("plant_of_arm.py", "base"),
+    ("score.py", "base"),
 }
-SOURCES = sorted(p for p in FOLDER.glob("*.py") if p.name not in ORDINARY)
+SOURCES = sorted(p for own in FOLDERS for p in own.glob("*.py") if p.name not in ORDINARY)
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.name)

@@ -13,12 +13,13 @@ from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import make_case
+from armodal.hil_sim.study.true_effects import size_of_truth
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan import plan_from_text
 from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.plan_rewrite import text_with_posture
 from armodal.study.laboratory import SimulatedLaboratory
-from armodal.study.score import mark, size_found, size_of_truth
+from armodal.study.score import mark, size_found
 
 
 @pytest.fixture(scope="module")
