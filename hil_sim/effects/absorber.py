@@ -8,7 +8,7 @@ import numpy as np
 
 from armodal.hil_sim.effects.compared import told
 from armodal.hil_sim.effects.from_file import FileEffect, Twin
-from armodal.hil_sim.effects.hidden import Hidden, Hides, about, plain, unit, within
+from armodal.hil_sim.effects.hidden import Hidden, Hides, about, hidden, plain, unit, within
 from armodal.hil_sim.effects.hung import Hung
 from armodal.hil_sim.linear import LinearTerms
 from armodal.hil_sim.truth import NotNegative, Vector
@@ -16,7 +16,7 @@ from armodal.hil_sim.truth import NotNegative, Vector
 if TYPE_CHECKING:
     from armodal.hil_sim.study.places import ArmPlaces
 
-PART, HERTZ, RATIO = 0.03, (7.0, 55.0), (0.015, 0.12)  # part of the arm's mass
+PART, SPANS = 0.03, {"frequency_hz": (7.0, 55.0), "damping_ratio": (0.015, 0.12)}  # of all mass
 
 
 class Absorber(Hung):
@@ -41,20 +41,18 @@ def _of_file(own: FileEffect) -> Twin:
     keys = ("mass", "ln_frequency", "loss", "part_across", "place_along")
     mass, ln_hz, loss_s, across, along = (own.sizes[f"absorber_{key}"] for key in keys)
     hz = float(np.exp(ln_hz))
-    told = {"mass_kg": mass, "frequency_hz": hz, "damping_ratio": np.pi * hz * loss_s}
+    tuned = {"mass_kg": mass, "frequency_hz": hz, "damping_ratio": np.pi * hz * loss_s}
     where = {"position_m": plain(at + along * u), "direction": plain(u), "across": across}
-    return Twin(tables=[{"kind": "absorber", "link": own.effect.place, **where, **told}])
+    return Twin(tables=[{"kind": "absorber", "link": own.effect.place, **where, **tuned}])
 
 
 def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidden:
     """On a link from the second on."""
     link = str(rng.choice([*places.links][1:]))
     mass = float(PART * magnitude * about(rng) * sum(x["mass_kg"] for x in places.links.values()))
-    hz, ratio = within(rng, HERTZ), within(rng, RATIO)
-    told = {"mass_kg": mass, "frequency_hz": hz, "damping_ratio": ratio}
+    own = {"mass_kg": mass} | {key: within(rng, span) for key, span in SPANS.items()}
     where = {"position_m": plain(places.somewhere(rng, link)), "direction": plain(unit(rng))}
-    tables = [{"kind": "absorber", "link": link, **where, **told}]
-    return Hidden(tables=tables, name="absorber", place=link, parameters=told, size=mass)
+    return hidden("absorber", link, {"kind": "absorber", "link": link, **where, **own}, **own)
 
 
 OF_FILE = {"absorber": _of_file}

@@ -37,12 +37,10 @@ class Hidden:
     name: str
     place: Any  # joint, link, point or a list of them
     parameters: dict[str, Any]
-    size: float | None = None  # in what the gap library tells it by, where that is known
 
     def truth(self) -> dict[str, Any]:
         """Name, place and parameters."""
-        told = {"name": self.name, "place": self.place, "parameters": self.parameters}
-        return told if self.size is None else told | {"size": self.size}
+        return {"name": self.name, "place": self.place, "parameters": self.parameters}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,11 +66,9 @@ class Hides:
     larger_on: Mapping[str, float] = field(default_factory=dict)
 
 
-def hidden(
-    name: str, place: Any, table: dict[str, Any], *, size: float | None = None, **parameters: Any
-) -> Hidden:
+def hidden(name: str, place: Any, table: dict[str, Any], **parameters: Any) -> Hidden:
     """One effect of one table."""
-    return Hidden(tables=[table], name=name, place=place, parameters=parameters, size=size)
+    return Hidden(tables=[table], name=name, place=place, parameters=parameters)
 
 
 def about(rng: np.random.Generator) -> float:

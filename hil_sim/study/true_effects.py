@@ -45,8 +45,6 @@ def size_of_truth(
     told
         How the effect found describes itself.
     """
-    if "size" in effect:  # its maker tells it
-        return float(effect["size"])
     own = _of(effect)
     true = TrueEffect(
         place=effect["place"],

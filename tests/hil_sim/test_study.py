@@ -8,7 +8,6 @@ from support.laplace_frfs import laplace_frfs
 from support.quick import every_but, few_quick
 from support.small_case import SmallCase
 
-from armodal.hil_sim.effects.hidden import hidden
 from armodal.hil_sim.plant_file import PlantFile, load_plant_file
 from armodal.hil_sim.small_motion import Mounting, linearise
 from armodal.hil_sim.study import (
@@ -234,9 +233,3 @@ def test_unknown_names_are_refused_with_those_wanted():
         with pytest.raises(PlantError, match="wanted one of"):
             make_case(1, *how)
     assert sealed(draw_study(1)[0]).number == 1
-
-
-def test_a_size_in_the_analyzers_unit_stands_beside_the_true_parameters():
-    told = hidden("gears", "joint_1", {"kind": "gears"}, size=0.02, inertia_kg_m2=0.02).truth()
-    assert (told["size"], told["parameters"]) == (0.02, {"inertia_kg_m2": 0.02})
-    assert "size" not in hidden("gears", "joint_1", {"kind": "gears"}).truth()

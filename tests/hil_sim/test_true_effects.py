@@ -104,4 +104,3 @@ def test_what_nobody_compares_has_no_size():
     assert size_of_truth({"name": "dress_pack", "place": "a", "parameters": {}}, {}) is None
     told_otherwise = {"name": "payload", "place": "a", "parameters": {"weight_n": 20.0}}
     assert size_of_truth(told_otherwise, {}) is None
-    assert size_of_truth(told_otherwise | {"size": 2.0}, {}) == 2.0
