@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMPARED", "HIDES", "OF_FILE", "Friction"]
 
-_SLIDERS = 8  # elements that the law of an arm file is made of, by its definition (`theory-gap.md`)
+_ELEMENTS = 48  # of the smooth law of an arm file
 _CREEPS = 1.0  # 1/s: less is none within the second that a hit rings
 
 # A swing is the joint's, after a hit of middle level.
@@ -45,7 +45,7 @@ class Friction(BaseEffect):
     joint: str
     limit_n_m: Positive
     stiffness_n_m_per_rad: Positive
-    elements: Annotated[int, Field(ge=1, le=12)] = 1
+    elements: Annotated[int, Field(ge=1, le=64)] = 1
     rise: Positive = 1.0
 
     def act(self, terms: LinearTerms) -> None:
@@ -83,15 +83,16 @@ def _friction(own: FileEffect) -> Twin:
 
 def _microslip(own: FileEffect) -> Twin:
     """Sliders that slip one after the other up to a turn (Iwan 1966)."""
-    k = own.sizes["seat"] * spring_of(own)
-    turn = swing_of(own) * float(np.exp(own.sizes["ln_seat_slips"]))
+    held = own.sizes["ln_stiffer_while_held"]
+    k = float(np.expm1(held)) * spring_of(own)
+    turn = float(-np.expm1(-held) * np.exp(own.sizes["ln_seat_slips"])) * swing_of(own)
     rise = float(np.exp(own.sizes.get("ln_seat_spread", 0.0)))
     table = {
         "kind": "friction",
         "joint": own.joint.name,
-        "limit_n_m": k * turn * float(np.mean(_order(_SLIDERS) ** rise)),
+        "limit_n_m": k * turn * float(np.mean(_order(_ELEMENTS) ** rise)),
         "stiffness_n_m_per_rad": k,
-        "elements": _SLIDERS,
+        "elements": _ELEMENTS,
         "rise": rise,
     }
     return Twin(tables=[table])
@@ -129,13 +130,14 @@ def _hidden(
     return hidden(name, joint, table, limit_n_m=limit, stiffness_n_m_per_rad=seat * k)
 
 
-def _seat(true: TrueEffect) -> float:
+def _stiffer_while_held(true: TrueEffect) -> float:
+    """Return the logarithm of what a joint's stiffness falls from when its seat slips."""
     p = true.parameters
-    return float(p["stiffness_n_m_per_rad"] / p["beside_n_m_per_rad"])
+    return float(np.log1p(p["stiffness_n_m_per_rad"] / p["beside_n_m_per_rad"]))
 
 
 OF_FILE = {"friction": _friction, "microslip": _microslip}
-COMPARED = {"friction": told("limit_n_m"), "microslip": Compared(size=_seat)}
+COMPARED = {"friction": told("limit_n_m"), "microslip": Compared(size=_stiffer_while_held)}
 HIDES = {
     "friction": Hides(hide=_hide_friction, since=2),
     "microslip": Hides(hide=_hide_microslip, since=2),

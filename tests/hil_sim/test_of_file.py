@@ -173,7 +173,7 @@ def test_an_effect_that_lacks_a_size_is_told():
 SWING = 3e-5
 LAWS = {
     "friction": {"limit": 0.2, "ln_presliding": 1.2, "creep": 0.0},
-    "microslip": {"seat": 0.6, "ln_seat_slips": -0.4, "ln_seat_spread": 0.5},
+    "microslip": {"ln_stiffer_while_held": 0.47, "ln_seat_slips": 0.6, "ln_seat_spread": 0.5},
     "softening": {"softer": 0.2, "ln_bend": 0.3},
     "backlash": {"play": 0.7, "ln_half_play": -0.8},
 }
@@ -207,7 +207,10 @@ def of_element(element):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_joint_s_own_law_has_the_torque_of_the_file(name):
-    """Over a swing; softening's form is the laboratory's own, alike to a tenth of what it loses."""
+    """Over a swing; softening's form is the laboratory's own, alike to a tenth of what it loses.
+
+    A seat's smooth law is another staircase on either side: 16 and 48 sliders differ by 0.7 %.
+    """
     corrected = with_effects(ARM, law(name))
     effect = corrected.effects[0]
     ordinary = Ordinary(superset=Superset(ARM), postures=())
@@ -227,7 +230,7 @@ def test_a_joint_s_own_law_has_the_torque_of_the_file(name):
     rest = ours - theirs
     turns = cycle(lambda turn: turn)
     rest -= turns * float(rest @ turns / (turns @ turns))
-    allowed = 0.1 if name == "softening" else 1e-9
+    allowed = {"softening": 0.1, "microslip": 0.015}.get(name, 1e-9)
     assert np.abs(rest).max() <= allowed * np.ptp(ours)
 
 

@@ -54,7 +54,7 @@ def test_a_compensator_is_as_stiff_as_where_it_is_square_to_its_shorter_lever():
     ("name", "parameters", "expected"),
     [
         ("friction", {"limit_n_m": 0.7, "stiffness_n_m_per_rad": None}, 0.7),
-        ("microslip", {"stiffness_n_m_per_rad": 600.0, "beside_n_m_per_rad": 400.0}, 1.5),
+        ("microslip", {"stiffness_n_m_per_rad": 600.0, "beside_n_m_per_rad": 200.0}, np.log(4.0)),
         ("microslip", {"stiffness_n_m_per_rad": 600.0}, None),  # whose spring is not told
         ("backlash", {"half_rad": 1e-5, "part": 0.3}, 0.3),
         ("backlash", {"half_rad": 1e-5}, None),

@@ -15,13 +15,14 @@ from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "laws"]
 
-_SLIDERS = 8  # a staircase of a law that is smooth
+_SLIDERS = 16  # a staircase of a law that is smooth, finest where soft hits and late swings slip
 # Of the exponent 1 / (1 + chi) by which limits rise, chi that of their density. Loss by a power of
 # the swing, 3 + chi, was measured between 2 and 3 (D. J. Segalman, J. Appl. Mech. 72 (2005) 752).
 _SPREAD, _SPREAD_STD, _SPREAD_LEAST, _SPREAD_MOST = 0.35, 0.35, -1.0, 2.0
-_STD, _MOST = 0.5, 5.0  # of the joint's spring
-# Turn at which all have slipped, over a middle swing.
-_LN_REACH, _LN_REACH_STD, _LN_REACH_LEAST, _LN_REACH_MOST = -0.5, 1.2, -4.0, 2.0
+_STD = 0.8  # of ln of the stiffness while it holds over that while it slips
+# Turn at which all have slipped, over a middle swing and over the part of the spring that slips:
+# what is seen of a seat that never slips wholly is that ratio.
+_LN_REACH, _LN_REACH_STD, _LN_REACH_LEAST, _LN_REACH_MOST = 0.6, 1.2, -4.0, 5.0
 
 WORDS = EffectWords(
     name="microslip",
@@ -43,16 +44,19 @@ def laws(
 
     W. D. Iwan, J. Appl. Mech. 33 (1966) 893.
     """
-    part, reach, spread = f"seat {joint}", f"ln seat slips {joint}", f"ln seat spread {joint}"
-    order = np.arange(1, 2 * _SLIDERS, 2) / (2 * _SLIDERS)
+    held, reach, spread = (
+        f"ln {what} {joint}" for what in ("stiffer while held", "seat slips", "seat spread")
+    )
+    edges = (np.arange(_SLIDERS + 1) / _SLIDERS) ** 2
+    share, order = np.diff(edges)[None], 0.5 * (edges[1:] + edges[:-1])[None]
 
     def element(values: Mapping[str, float], load: float) -> Sliders:
         del load
-        k = values[part] * np.exp(values[f"ln k {joint}"]) / _SLIDERS
-        turn = swing_rad * np.exp(values[reach])
+        k = share * np.expm1(values[held]) * np.exp(values[f"ln k {joint}"])
+        turn = -np.expm1(-values[held]) * swing_rad * np.exp(values[reach])
         return Sliders(
-            stiffness=np.full((1, _SLIDERS), k),
-            limit=k * turn * order[None] ** np.exp(values[spread]),
+            stiffness=k,
+            limit=k * turn * order ** np.exp(values[spread]),
             creep_per_s=np.zeros(1),
         )
 
@@ -63,7 +67,7 @@ def laws(
         swing_rad,
         rate_rad_s,
         parameters=(
-            Parameter(name=part, unit="", mean=0.0, std=_STD, low=0.0, high=_MOST),
+            Parameter(name=held, unit="", mean=0.0, std=_STD, low=0.0),
             Parameter(
                 name=reach,
                 unit="",
@@ -85,7 +89,7 @@ def laws(
         element=element,
         material=LEAST,
         starting_points=[
-            {part: q, reach: u, spread: _SPREAD} for q in (0.1, 0.5) for u in (-2.0, -0.7, 0.7)
+            {held: h, reach: u, spread: _SPREAD} for h in (0.1, 0.5, 1.2) for u in (0.0, 1.5)
         ],
     )
     return (only,)

@@ -32,6 +32,7 @@ def with_all_slopes(
     values: Mapping[str, float],
     by_torque: Mapping[str, ComplexArray],
     followed: Sequence[tuple[Array, Array]],
+    own_slopes: Mapping[str, Mapping[tuple[object, ...], ComplexArray]],
 ) -> Linearised:
     """Return it with what all other parameters change in what springs and dampers leave.
 
@@ -51,6 +52,9 @@ def with_all_slopes(
         The joint's turn by a unit torque in each posture, by its name (`swings.Swings`).
     followed
         Turns and torques (1 or more, m, n_steps) on each of the lines, first those there.
+    own_slopes
+        By parameter and the lines' key, how the response (m, 3, L) with the law changes a unit of
+        it: of parameters for which steps as long as here are too coarse.
     """
     springs = {key: (own.log_k, own.log_c) for key, own in about.table.items()}
     near = with_springs(plain, law.joint, springs)
@@ -77,14 +81,17 @@ def with_all_slopes(
         loads = together.response(plain, values).under_a_torque(rows)
         held = [on_lines(lines[p], torque) for p, torque in zip(used, torques, strict=True)]
         slopes = together.derivatives_holding_back(plain, space, values, rows, np.stack(held))
-        slopes -= together.derivatives(near, space, values)[1]
+        by_near = together.derivatives(near, space, values)[1]
+        slopes -= by_near
         for i, (p, assembly) in enumerate(zip(used, assemblies, strict=True)):
             own = lines[p]
             here = slopes[:, i] - loads[i] * changes[:, i, :, None]
             rests = {name for name in assembly.compliance_of if values[name] == 0.0}
             by = dict(table[own.key].by)
             for name, at in space.index.items():
-                if name not in rests and here[at].any():
+                if name in own_slopes:
+                    by[name] = own_slopes[name][own.key] - by_near[at, i] / space.std[at]
+                elif name not in rests and here[at].any():
                     slope = here[at] / space.std[at]
                     by[name] = by[name] + slope if name in by else slope
             table[own.key] = replace(table[own.key], by=by)

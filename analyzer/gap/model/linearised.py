@@ -30,6 +30,7 @@ from armodal.analyzer.gap.model.law_beside import with_all_slopes
 from armodal.analyzer.gap.model.law_in_place import joint_row, on_lines, with_springs
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
+from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.swings import (
     SIGMA_RAD_S,
     STEP_S,
@@ -48,7 +49,7 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
-_STEP = 0.02  # of a parameter's prior deviation
+_STEP = 2e-4  # of a parameter's prior deviation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,28 +164,71 @@ def _about(
     law = instance.law
     if law is None:
         raise ValueError(f"wanted a law of {instance.title}")
-    points = [dict(values)]
-    # A law may be of its joint's stiffness.
-    own_k = [p for p in plain.space().parameters if p.name == f"ln k {law.joint}"]
-    parameters = (*instance.parameters, *own_k) if slopes else ()
-    for parameter in parameters:
-        at, step = values[parameter.name], _STEP * parameter.std
-        step = -step if at + step > parameter.high else step
-        points.append({**values, parameter.name: at + step})
+    parameters = instance.parameters if slopes else ()
+    points = [dict(values), *(_stepped(values, parameter) for parameter in parameters)]
     postures = joint_postures(plain, models, lines, values, (law.joint,))
+    cases: list[_Case] = [(postures, points)]
+    # A law acts on its joint's own spring and damper: what it leaves of a column of either is a
+    # difference of large ones, and taken from swings as well.
+    own = [p for p in plain.space().parameters if p.name in _own_names(law)] if slopes else []
+    moved = {parameter.name: _stepped(values, parameter) for parameter in own}
+    for there in moved.values():
+        at_it = {name: posture.at(there, law.joint) for name, posture in postures.items()}
+        cases.append((at_it, [there]))
     groups = Postures.in_groups(models, lines, range(len(lines)))
-    (followed,) = _followed(law, [(postures, points)], lines)
-    if not _finite(followed):
+    followed, *beside = _followed(law, cases, lines)
+    if not all(_finite(swung) for swung in (followed, *beside)):
         raise np.linalg.LinAlgError("swings under this law do not stay finite")
     per_unit = {
-        parameter.name: 1.0 / (moved[parameter.name] - values[parameter.name])
-        for parameter, moved in zip(parameters, points[1:], strict=True)
+        parameter.name: 1.0 / (point[parameter.name] - values[parameter.name])
+        for parameter, point in zip(parameters, points[1:], strict=True)
     }
     about = _beside(plain, law, groups, lines, values, followed, per_unit)
     if not slopes:
         return about
     by_torque = {name: posture.swings[0].by_torque for name, posture in postures.items()}
-    return with_all_slopes(about, plain, law, groups, models, lines, values, by_torque, followed)
+    own_slopes = {
+        name: _changed(plain, law, groups, lines, (values, followed), (there, swung), name)
+        for (name, there), swung in zip(moved.items(), beside, strict=True)
+    }
+    return with_all_slopes(
+        about, plain, law, groups, models, lines, values, by_torque, followed, own_slopes
+    )
+
+
+def _own_names(law: JointLaw) -> tuple[str, ...]:
+    return tuple(f"ln {what} {law.joint}" for what in "kc")
+
+
+def _stepped(values: Mapping[str, float], parameter: Parameter) -> dict[str, float]:
+    """The values with a parameter a small step on, or back where its bound is near."""
+    at, step = values[parameter.name], _STEP * parameter.std
+    return {**values, parameter.name: at - step if at + step > parameter.high else at + step}
+
+
+def _changed(
+    plain: Hypothesis,
+    law: JointLaw,
+    groups: Sequence[tuple[list[int], Postures]],
+    lines: Sequence[PostureLines],
+    here: tuple[Mapping[str, float], _Swung],
+    there: tuple[Mapping[str, float], _Swung],
+    name: str,
+) -> dict[tuple[object, ...], ComplexArray]:
+    """How the response (m, 3, L) with the law changes a unit of a parameter, by the lines' key."""
+    ends = []
+    for values, swung in (here, there):
+        response = {}
+        for used, together in groups:
+            without = together.response(plain, values)
+            rows = [joint_row(own, law.joint) for own in together.assembled(plain, values)]
+            loads = without.under_a_torque(np.stack(rows))
+            for p, plainly, load in zip(used, without.values, loads, strict=True):
+                taken = on_lines(lines[p], swung[p][1][0])
+                response[lines[p].key] = plainly - load * taken[:, None]
+        ends.append(response)
+    step = there[0][name] - here[0][name]
+    return {key: (ends[1][key] - at) / step for key, at in ends[0].items()}
 
 
 def joint_postures(

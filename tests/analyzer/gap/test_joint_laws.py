@@ -73,6 +73,20 @@ def test_over_a_small_swing_a_bent_spring_is_three_quarters_of_its_cube():
     assert stiffness == pytest.approx(0.75 * part * swing**2 / bend**2, rel=1e-3)
 
 
+@pytest.mark.parametrize("part", [0.03, 0.1, 0.4, 0.9])
+def test_a_seats_staircase_is_the_smooth_law_it_stands_for(part, arm):
+    """Limits evenly apart up to a turn X: k a (1 - a / 2 X), by Masing 2 k a^3 / 3 X a cycle."""
+    _, plain, values, _ = arm
+    (seat,) = microslip.laws(plain.ordinary, "joint_2", 1e-4, 100.0)
+    held, reach, spread = (parameter.name for parameter in seat.parameters)
+    own = values | {held: np.log(2.0), reach: np.log(2.0), spread: 0.0}  # k of the joint, X 1e-4
+    k, swing = np.exp(values["ln k joint_2"]), 1e-4 * part
+    stiffness, loss = over_a_swing(seat.law.element(own, 0.0), swing, 1.0)
+    # The mean slope of the law over a cycle: its first harmonic has less than 2 % of another.
+    assert stiffness == pytest.approx(k * (1.0 - part / 2.0), rel=0.03)
+    assert loss == pytest.approx(2.0 * k * part / (3.0 * np.pi), rel=0.1)
+
+
 def made(kind, mass, k, c, force):
     """A mass on a spring, a damper and an element, integrated by SciPy with tight steps."""
 
@@ -238,6 +252,27 @@ def test_near_its_point_a_law_follows_every_parameter_of_the_model(kind, allowed
         change = np.linalg.norm(there - before)
         assert change > 0.0, name
         assert np.linalg.norm(there - near) < allowed * change, name
+
+
+def test_what_data_tell_as_a_sum_its_slopes_leave_alike(arm):
+    """A seat that hardly slips and the spring beside it: their sum stays, and little changes."""
+    stage, plain, _, swings = arm
+    hypothesis = with_law(plain, microslip, "joint_2", swings)
+    (seat,) = hypothesis.instances
+    space = hypothesis.space()
+    start = space.values(space.start()) | {seat.size: 0.6, seat.shapes[0]: 1.5, seat.shapes[1]: 0.0}
+    about = linearised(hypothesis, stage.models, stage.lines, start)
+    before = np.concatenate(answers(stage, about, start))
+    changes = []
+    for back in (0.0, 5e-4):
+        moved = start | {seat.size: start[seat.size] + 5e-4}
+        moved["ln k joint_2"] -= back
+        exact = linearised(hypothesis, stage.models, stage.lines, moved, slopes=False)
+        near, there = (np.concatenate(answers(stage, h, moved)) for h in (about, exact))
+        changes.append((np.linalg.norm(there - before), np.linalg.norm(there - near)))
+    (alone, _), (both, wrong) = changes
+    assert both < 0.02 * alone
+    assert wrong < 0.15 * both  # half of that is the step
 
 
 def test_a_torque_held_back_is_what_a_unit_torque_takes_off(arm):
