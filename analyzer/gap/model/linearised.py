@@ -49,7 +49,7 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
-_STEP = 2e-4  # of a parameter's prior deviation
+_STEP = 0.002  # to either side, of a parameter's prior deviation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,31 +165,31 @@ def _about(
     if law is None:
         raise ValueError(f"wanted a law of {instance.title}")
     parameters = instance.parameters if slopes else ()
-    points = [dict(values), *(_stepped(values, parameter) for parameter in parameters)]
+    steps = {parameter.name: _steps(values, parameter) for parameter in parameters}
+    points = [dict(values), *(end for ends in steps.values() for end in ends)]
     postures = joint_postures(plain, models, lines, values, (law.joint,))
     cases: list[_Case] = [(postures, points)]
     # A law acts on its joint's own spring and damper: what it leaves of a column of either is a
     # difference of large ones, and taken from swings as well.
     own = [p for p in plain.space().parameters if p.name in _own_names(law)] if slopes else []
-    moved = {parameter.name: _stepped(values, parameter) for parameter in own}
-    for there in moved.values():
-        at_it = {name: posture.at(there, law.joint) for name, posture in postures.items()}
-        cases.append((at_it, [there]))
+    own_steps = {parameter.name: _steps(values, parameter) for parameter in own}
+    for end in (end for ends in own_steps.values() for end in ends):
+        at_it = {name: posture.at(end, law.joint) for name, posture in postures.items()}
+        cases.append((at_it, [end]))
     groups = Postures.in_groups(models, lines, range(len(lines)))
     followed, *beside = _followed(law, cases, lines)
     if not all(_finite(swung) for swung in (followed, *beside)):
         raise np.linalg.LinAlgError("swings under this law do not stay finite")
-    per_unit = {
-        parameter.name: 1.0 / (point[parameter.name] - values[parameter.name])
-        for parameter, point in zip(parameters, points[1:], strict=True)
-    }
+    per_unit = {name: 1.0 / (ends[1][name] - ends[0][name]) for name, ends in steps.items()}
     about = _beside(plain, law, groups, lines, values, followed, per_unit)
     if not slopes:
         return about
     by_torque = {name: posture.swings[0].by_torque for name, posture in postures.items()}
     own_slopes = {
-        name: _changed(plain, law, groups, lines, (values, followed), (there, swung), name)
-        for (name, there), swung in zip(moved.items(), beside, strict=True)
+        name: _changed(plain, law, groups, lines, name, [*zip(ends, swung, strict=True)])
+        for (name, ends), swung in zip(
+            own_steps.items(), zip(beside[::2], beside[1::2], strict=True), strict=True
+        )
     }
     return with_all_slopes(
         about, plain, law, groups, models, lines, values, by_torque, followed, own_slopes
@@ -200,10 +200,13 @@ def _own_names(law: JointLaw) -> tuple[str, ...]:
     return tuple(f"ln {what} {law.joint}" for what in "kc")
 
 
-def _stepped(values: Mapping[str, float], parameter: Parameter) -> dict[str, float]:
-    """The values with a parameter a small step on, or back where its bound is near."""
-    at, step = values[parameter.name], _STEP * parameter.std
-    return {**values, parameter.name: at - step if at + step > parameter.high else at + step}
+def _steps(
+    values: Mapping[str, float], parameter: Parameter
+) -> tuple[dict[str, float], dict[str, float]]:
+    """The values with a parameter a step back and a step on, but within its bounds."""
+    name, step = parameter.name, _STEP * parameter.std
+    ends = max(values[name] - step, parameter.low), min(values[name] + step, parameter.high)
+    return {**values, name: ends[0]}, {**values, name: ends[1]}
 
 
 def _changed(
@@ -211,13 +214,12 @@ def _changed(
     law: JointLaw,
     groups: Sequence[tuple[list[int], Postures]],
     lines: Sequence[PostureLines],
-    here: tuple[Mapping[str, float], _Swung],
-    there: tuple[Mapping[str, float], _Swung],
     name: str,
+    ends: Sequence[tuple[Mapping[str, float], _Swung]],
 ) -> dict[tuple[object, ...], ComplexArray]:
     """How the response (m, 3, L) with the law changes a unit of a parameter, by the lines' key."""
-    ends = []
-    for values, swung in (here, there):
+    found = []
+    for values, swung in ends:
         response = {}
         for used, together in groups:
             without = together.response(plain, values)
@@ -226,9 +228,9 @@ def _changed(
             for p, plainly, load in zip(used, without.values, loads, strict=True):
                 taken = on_lines(lines[p], swung[p][1][0])
                 response[lines[p].key] = plainly - load * taken[:, None]
-        ends.append(response)
-    step = there[0][name] - here[0][name]
-    return {key: (ends[1][key] - at) / step for key, at in ends[0].items()}
+        found.append(response)
+    step = ends[1][0][name] - ends[0][0][name]
+    return {key: (found[1][key] - back) / step for key, back in found[0].items()}
 
 
 def joint_postures(
@@ -333,8 +335,10 @@ def _beside(
                 log_c=springs[own.key][1],
                 added=plainly + change[0] - nearly,
                 by={
-                    name: (moved - change[0]) * slope
-                    for (name, slope), moved in zip(slopes.items(), change[1:], strict=True)
+                    name: (on - back) * slope
+                    for (name, slope), back, on in zip(
+                        slopes.items(), change[1::2], change[2::2], strict=True
+                    )
                 },
             )
     return Linearised(values={name: values[name] for name in slopes}, table=table)
