@@ -49,7 +49,7 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
-_STEP = 0.002  # to either side, of a parameter's prior deviation
+_STEP = 0.02  # to either side, of a parameter's prior deviation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
