@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,9 +13,10 @@ from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.model.swings import STEP_S, pulse, seconds
 
-__all__ = ["joint_row", "on_lines", "with_springs"]
+__all__ = ["joint_row", "on_lines", "with_a_torque", "with_springs"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -50,3 +51,22 @@ def on_lines(own: PostureLines, torque: Array) -> ComplexArray:
     s = own.s_rad_s
     force = np.stack([pulse(s, float(peak), own.width_s) for peak in own.peaks_n])
     return np.asarray(torque @ (STEP_S * np.exp(-np.outer(seconds(), s))) / force)
+
+
+def with_a_torque(
+    plain: Hypothesis,
+    joint: str,
+    groups: Sequence[tuple[list[int], Postures]],
+    values: Mapping[str, float],
+) -> dict[int, tuple[ComplexArray, ComplexArray]]:
+    """Return the response (m, 3, L) of a model, and what a unit torque of a joint adds to it.
+
+    By the numbers of postures and levels; `groups` of them are solved together.
+    """
+    found: dict[int, tuple[ComplexArray, ComplexArray]] = {}
+    for used, together in groups:
+        response = together.response(plain, values)
+        rows = np.stack([joint_row(own, joint) for own in together.assembled(plain, values)])
+        loads = response.under_a_torque(rows)
+        found |= dict(zip(used, zip(response.values, loads, strict=True), strict=True))
+    return found

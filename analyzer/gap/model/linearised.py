@@ -27,10 +27,15 @@ from armodal.analyzer.gap.model.joint_laws import (
     stacked,
 )
 from armodal.analyzer.gap.model.law_beside import with_all_slopes
-from armodal.analyzer.gap.model.law_in_place import joint_row, on_lines, with_springs
+from armodal.analyzer.gap.model.law_in_place import (
+    joint_row,
+    on_lines,
+    with_a_torque,
+    with_springs,
+)
+from armodal.analyzer.gap.model.law_steps import own_spring, slope_of, steps_of
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
-from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.swings import (
     SIGMA_RAD_S,
     STEP_S,
@@ -49,7 +54,6 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
-_STEP = 0.02  # to either side, of a parameter's prior deviation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,14 +169,14 @@ def _about(
     if law is None:
         raise ValueError(f"wanted a law of {instance.title}")
     parameters = instance.parameters if slopes else ()
-    steps = {parameter.name: _steps(values, parameter) for parameter in parameters}
+    steps = {parameter.name: steps_of(values, parameter) for parameter in parameters}
     points = [dict(values), *(end for ends in steps.values() for end in ends)]
     postures = joint_postures(plain, models, lines, values, (law.joint,))
     cases: list[_Case] = [(postures, points)]
     # A law acts on its joint's own spring and damper: what it leaves of a column of either is a
     # difference of large ones, and taken from swings as well.
-    own = [p for p in plain.space().parameters if p.name in _own_names(law)] if slopes else []
-    own_steps = {parameter.name: _steps(values, parameter) for parameter in own}
+    own = own_spring(plain, law.joint) if slopes else ()
+    own_steps = {parameter.name: steps_of(values, parameter) for parameter in own}
     for end in (end for ends in own_steps.values() for end in ends):
         at_it = {name: posture.at(end, law.joint) for name, posture in postures.items()}
         cases.append((at_it, [end]))
@@ -186,51 +190,12 @@ def _about(
         return about
     by_torque = {name: posture.swings[0].by_torque for name, posture in postures.items()}
     own_slopes = {
-        name: _changed(plain, law, groups, lines, name, [*zip(ends, swung, strict=True)])
-        for (name, ends), swung in zip(
-            own_steps.items(), zip(beside[::2], beside[1::2], strict=True), strict=True
-        )
+        name: slope_of(plain, law.joint, groups, lines, name, ends, (back, on))
+        for (name, ends), back, on in zip(own_steps.items(), beside[::2], beside[1::2], strict=True)
     }
     return with_all_slopes(
         about, plain, law, groups, models, lines, values, by_torque, followed, own_slopes
     )
-
-
-def _own_names(law: JointLaw) -> tuple[str, ...]:
-    return tuple(f"ln {what} {law.joint}" for what in "kc")
-
-
-def _steps(
-    values: Mapping[str, float], parameter: Parameter
-) -> tuple[dict[str, float], dict[str, float]]:
-    """The values with a parameter a step back and a step on, but within its bounds."""
-    name, step = parameter.name, _STEP * parameter.std
-    ends = max(values[name] - step, parameter.low), min(values[name] + step, parameter.high)
-    return {**values, name: ends[0]}, {**values, name: ends[1]}
-
-
-def _changed(
-    plain: Hypothesis,
-    law: JointLaw,
-    groups: Sequence[tuple[list[int], Postures]],
-    lines: Sequence[PostureLines],
-    name: str,
-    ends: Sequence[tuple[Mapping[str, float], _Swung]],
-) -> dict[tuple[object, ...], ComplexArray]:
-    """How the response (m, 3, L) with the law changes a unit of a parameter, by the lines' key."""
-    found = []
-    for values, swung in ends:
-        response = {}
-        for used, together in groups:
-            without = together.response(plain, values)
-            rows = [joint_row(own, law.joint) for own in together.assembled(plain, values)]
-            loads = without.under_a_torque(np.stack(rows))
-            for p, plainly, load in zip(used, without.values, loads, strict=True):
-                taken = on_lines(lines[p], swung[p][1][0])
-                response[lines[p].key] = plainly - load * taken[:, None]
-        found.append(response)
-    step = ends[1][0][name] - ends[0][0][name]
-    return {key: (found[1][key] - back) / step for key, back in found[0].items()}
 
 
 def joint_postures(
@@ -319,28 +284,23 @@ def _beside(
     joint = law.joint
     springs = dict(zip([own.key for own in lines], _in_place(law, values, followed), strict=True))
     near = with_springs(plain, joint, springs)
+    nearly = {
+        p: response
+        for used, together in groups
+        for p, response in zip(used, together.response(near, values).values, strict=True)
+    }
     table = {}
-    for used, together in groups:
-        every_nearly = together.response(near, values).values
-        without = together.response(plain, values)
-        rows = [joint_row(own, joint) for own in together.assembled(plain, values)]
-        loads = without.under_a_torque(np.stack(rows))  # (P, m, 3, L)
-        every = zip(used, without.values, loads, every_nearly, strict=True)
-        for p, plainly, load, nearly in every:
-            own = lines[p]
-            taken = on_lines(own, followed[p][1])  # (points, m, L)
-            change = -load * taken[:, :, None]  # (points, m, 3, L)
-            table[own.key] = LinearLaw(
-                log_k=springs[own.key][0],
-                log_c=springs[own.key][1],
-                added=plainly + change[0] - nearly,
-                by={
-                    name: (on - back) * slope
-                    for (name, slope), back, on in zip(
-                        slopes.items(), change[1::2], change[2::2], strict=True
-                    )
-                },
-            )
+    for p, (plainly, load) in with_a_torque(plain, joint, groups, values).items():
+        own = lines[p]
+        taken = on_lines(own, followed[p][1])  # (points, m, L)
+        change = -load * taken[:, :, None]  # (points, m, 3, L)
+        ends = zip(slopes.items(), change[1::2], change[2::2], strict=True)
+        table[own.key] = LinearLaw(
+            log_k=springs[own.key][0],
+            log_c=springs[own.key][1],
+            added=plainly + change[0] - nearly[p],
+            by={name: (on - back) * slope for (name, slope), back, on in ends},
+        )
     return Linearised(values={name: values[name] for name in slopes}, table=table)
 
 
