@@ -106,14 +106,6 @@ def instances_of_file(ordinary: Ordinary) -> tuple[tuple[Instance, ...], dict[st
         instance = _instance(ordinary, effect)
         known = {p.name: p.value for p in effect.parameters}
         units = {p.name: p.unit for p in effect.parameters if p.unit}
-        own = {p.name: file_key(p.name, instance.place) for p in instance.parameters}
-        size = own.get(instance.size, "")
-        if size and size not in known and instance.size not in instance.begins_at:
-            raise ArmError(
-                f"arm '{ordinary.arm.name}': wanted '{size}' of effect '{effect.name}', got "
-                f"{', '.join(sorted(known)) or 'no parameter'}; make the arm file again with "
-                "'armodal gap', or correct its [[effects]]"
-            )
         for p in (*instance.parameters, *instance.relaxes.values()):
             name, unit, key = p.name, p.unit, file_key(p.name, instance.place)
             if units.get(key, unit) != unit:
