@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -92,4 +93,8 @@ def laws(
             {held: h, reach: u, spread: _SPREAD} for h in (0.1, 0.5, 1.2) for u in (0.0, 1.5)
         ],
     )
-    return (only,)
+    told = {
+        held: "ln stiffness while the seat holds, over that while it slips",
+        reach: "ln turn at which all slips, over that of a middle hit and the part that slips",
+    }
+    return (replace(only, words=told, details=(spread,)),)
