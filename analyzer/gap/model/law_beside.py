@@ -30,7 +30,7 @@ def with_all_slopes(
     models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
-    by_torque: Mapping[str, ComplexArray],
+    by_steps: Mapping[str, Array],
     followed: Sequence[tuple[Array, Array]],
     own_slopes: Mapping[str, Mapping[tuple[object, ...], ComplexArray]],
 ) -> Linearised:
@@ -48,8 +48,8 @@ def with_all_slopes(
         Postures and levels that are solved together, by their numbers.
     models, lines
         Of each posture and level.
-    by_torque
-        The joint's turn by a unit torque in each posture, by its name (`swings.Swings`).
+    by_steps
+        The joint's turns by a torque in each posture, by its name (`swings.Swings`).
     followed
         Turns and torques (1 or more, m, n_steps) on each of the lines, first those there.
     own_slopes
@@ -66,7 +66,6 @@ def with_all_slopes(
     tangents = tangents_along(
         stacked(every, counts),
         np.concatenate([turn[0] for turn, _ in followed]),
-        [*by_torque.values()],
     )
     ends = np.cumsum(counts)
     for used, together in groups:
@@ -74,9 +73,9 @@ def with_all_slopes(
         rows = np.stack([joint_row(assembly, law.joint) for assembly in assemblies])
         torques = np.stack([followed[p][1][0] for p in used])
         swings = np.stack([np.arange(ends[p] - counts[p], ends[p]) for p in used])
-        own_torque = np.stack([by_torque[lines[p].name] for p in used])
+        own_steps = np.stack([by_steps[lines[p].name] for p in used])
         changes = torque_slopes(
-            together, plain, space, values, rows, own_torque, tangents.of(swings), torques
+            together, plain, space, values, rows, own_steps, tangents.of(swings), torques
         )
         loads = together.response(plain, values).under_a_torque(rows)
         held = [on_lines(lines[p], torque) for p, torque in zip(used, torques, strict=True)]

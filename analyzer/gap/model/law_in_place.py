@@ -14,7 +14,8 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import Postures
-from armodal.analyzer.gap.model.swings import STEP_S, pulse, seconds
+from armodal.analyzer.gap.model.steps import STEPS
+from armodal.analyzer.gap.model.swings import pulse
 
 __all__ = ["joint_row", "on_lines", "with_a_torque", "with_springs"]
 
@@ -50,7 +51,8 @@ def on_lines(own: PostureLines, torque: Array) -> ComplexArray:
     """Return (..., m, L) a N of the force of each mounting's hit, of torques (..., m, n_steps)."""
     s = own.s_rad_s
     force = np.stack([pulse(s, float(peak), own.width_s) for peak in own.peaks_n])
-    return np.asarray(torque @ (STEP_S * np.exp(-np.outer(seconds(), s))) / force)
+    at = STEPS.weights_s[:, None] * np.exp(-np.outer(STEPS.seconds, s))
+    return np.asarray(torque @ at / force)
 
 
 def with_a_torque(

@@ -5,13 +5,13 @@ turn, and that the turn again:
 
     dx(t) = dw(t) - int g(t - u) dtau(u) du ,    dtau = (tangent of the law along x) dx ,
 
-g the turn by a unit impulse of torque: one linear equation a hit, followed in steps that are long
-beside those of the hit itself (`swings.py`), for all parameters at once.
+g the turn by a unit impulse of torque: one linear equation a hit, followed as the hit itself is
+(`march.py`), for many parameters at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +23,8 @@ from armodal.analyzer.gap.model.joint_laws import Element
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.model.space import Space
-from armodal.analyzer.gap.model.swings import SIGMA_RAD_S, STEP_S, pulse
+from armodal.analyzer.gap.model.steps import PARTS, STEPS
+from armodal.analyzer.gap.model.swings import in_steps, lines_below, pulse
 
 __all__ = ["Tangents", "tangents_along", "torque_slopes"]
 
@@ -31,18 +32,15 @@ Array = npt.NDArray[np.float64]
 Array32 = npt.NDArray[np.float32]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
-_TOGETHER = (4, 2, 1)  # steps of a swing in one of its change: as many as are stable
-_STABLE = 2.0  # of a step times the fastest frequency, squared; beyond 4 nothing is
 _BAND_HZ = 200.0
-_TAPER = 0.15  # of the band, cosine
 _BLOCK = 20
+_AT_ONCE = 2**24  # changes of turns, for memory's sake
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Tangents:
-    """An element along its swings, over long steps: `joint_laws.Tangent`, (..., n_steps, ...)."""
+    """An element along swings: `joint_laws.Tangent`, (..., n_steps, PARTS, ...)."""
 
-    at_once: int  # steps of a swing in a long one
     by_turn: Array32
     by_memory: Array32
     kept: Array32
@@ -50,33 +48,21 @@ class Tangents:
 
     def of(self, rows: npt.NDArray[np.int64]) -> Tangents:
         """Return those of some swings, (P, m) of them."""
-        return Tangents(
-            at_once=self.at_once,
-            by_turn=self.by_turn[rows],
-            by_memory=self.by_memory[rows],
-            kept=self.kept[rows],
-            followed=self.followed[rows],
-        )
+        every = (self.by_turn, self.by_memory, self.kept, self.followed)
+        return Tangents(*(own[rows] for own in every))
 
 
-def tangents_along(element: Element, turn: Array, by_torque: Sequence[ComplexArray]) -> Tangents:
-    """Return an element's tangents along swings, over as long steps as are stable.
-
-    Parameters
-    ----------
-    element, turn
-        Of n rows; (n, n_steps) rad.
-    by_torque
-        (L,) turns by a unit torque, of every posture among them (`swings.Swings`).
-    """
-    n_lines = len(_lines(turn.shape[1], STEP_S))
-    for at_once in _TOGETHER:
-        found = _along(element, turn, at_once)
-        steps = _Steps(at_once=at_once, n=turn.shape[1] // at_once)
-        first = max(steps.step_s * steps.in_time(own[:n_lines], 0.0)[1] for own in by_torque)
-        if first * found.by_turn.max() < _STABLE:
-            break
-    return found
+def tangents_along(element: Element, turn: Array) -> Tangents:
+    """Return an element's tangents along swings, of n rows and (n, PARTS n_steps) rad."""
+    n = len(turn)
+    memory = np.zeros((n, element.n_memory))
+    found = []
+    for x, lasts_s in zip(turn.T, np.tile(STEPS.lasts_s, STEPS.n), strict=True):
+        own = element.tangent(x, memory, lasts_s)
+        found.append((own.by_turn, own.by_memory, own.kept, own.followed))
+        memory = element.remember(x, memory, lasts_s)
+    every = [np.stack(own, axis=1).astype(np.float32) for own in zip(*found, strict=True)]
+    return Tangents(*(own.reshape(n, STEPS.n, PARTS, *own.shape[2:]) for own in every))
 
 
 def torque_slopes(
@@ -85,7 +71,7 @@ def torque_slopes(
     space: Space,
     values: Mapping[str, float],
     rows: Array,
-    by_torque: ComplexArray,
+    by_steps: Array,
     tangents: Tangents,
     torque: Array,
 ) -> ComplexArray:
@@ -99,21 +85,19 @@ def torque_slopes(
         The model without the law, its parameters, and where it is.
     rows
         (P, N) by which the joint's spring stretches.
-    by_torque
-        (P, lines of `swings.Swings`) its turn by a unit torque, rad/(N m).
+    by_steps
+        (P, n_steps, PARTS, PARTS) rad/(N m), its turns by a torque (`Swings.by_steps`).
     tangents
         Of (P, m) swings, one a mounting.
     torque
-        (P, m, n_steps) of the law under each mounting's hit, N m.
+        (P, m, PARTS n) of the law under each mounting's hit, N m.
 
     Returns
     -------
     On the postures' lines, N m a N of each hit's force.
     """
-    n_steps = torque.shape[-1]
-    taken = torque * np.exp(-SIGMA_RAD_S * STEP_S * np.arange(n_steps))
-    s = _lines(n_steps, STEP_S)
-    on_lines = STEP_S * np.fft.rfft(taken)[..., : len(s)]
+    s = lines_below(_BAND_HZ)
+    on_lines = torque @ (STEPS.weights_s[:, None] * np.exp(-np.outer(STEPS.seconds, s)))
     forces = np.stack([_forces(own, s) for own in together.lines])
     every_s = np.broadcast_to(s, (len(rows), len(s)))
     by_force = together.turn_derivatives(
@@ -121,55 +105,18 @@ def torque_slopes(
     )  # (n_parameters, P, m, L)
     n_lines = len(together.lines[0].s_rad_s)
     found = np.zeros((*by_force.shape[:3], n_lines), dtype=np.complex64)
-    moves = np.abs(by_force).max(axis=(1, 2, 3)) > 0.0
-    steps = _Steps(at_once=tangents.at_once, n=n_steps // tangents.at_once)
-    moved = steps.in_time(by_force[moves] * forces, steps.middle_s)
-    by_impulse = steps.step_s * steps.in_time(by_torque[:, : len(s)], 0.0)
-    change = _followed(tangents, moved, by_impulse)
-    for p, own in enumerate(together.lines):
-        kernel = np.exp(-np.outer(steps.seconds + steps.middle_s, own.s_rad_s))
-        slopes = change[:, p] @ (steps.step_s * kernel).astype(np.complex64)
-        found[moves, p] = slopes / _forces(own, own.s_rad_s)
+    moves = np.flatnonzero(np.abs(by_force).max(axis=(1, 2, 3)) > 0.0)
+    in_time = by_steps.astype(np.float32)
+    at_once = max(1, _AT_ONCE // torque.size)
+    for first in range(0, len(moves), at_once):
+        some = moves[first : first + at_once]
+        moved = in_steps(by_force[some] * forces).astype(np.float32)
+        change = _followed(tangents, moved, in_time)
+        for p, own in enumerate(together.lines):
+            at = STEPS.weights_s[:, None] * np.exp(-np.outer(STEPS.seconds, own.s_rad_s))
+            taken = change[:, p] @ at.astype(np.complex64)
+            found[some, p] = taken / _forces(own, own.s_rad_s)
     return found
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Steps:
-    """Steps in which changes are followed."""
-
-    at_once: int  # steps of the swing
-    n: int
-
-    @property
-    def step_s(self) -> float:
-        """Return their length."""
-        return self.at_once * STEP_S
-
-    @property
-    def middle_s(self) -> float:
-        """Return when the middle of those of the swing is, from the first."""
-        return 0.5 * (self.at_once - 1) * STEP_S
-
-    @property
-    def seconds(self) -> Array:
-        """(n,) when each begins."""
-        return np.asarray(self.step_s * np.arange(self.n))
-
-    def in_time(self, on_lines: ComplexArray, later_s: float) -> Array32:
-        """(..., n) of (..., L), so much later than each begins."""
-        n = on_lines.shape[-1]
-        taper = np.ones(n)
-        ends = round(_TAPER * n)
-        taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
-        turned = np.exp(2j * np.pi * np.arange(n) / (self.n * self.step_s) * later_s)
-        weight = (taper * turned / self.step_s).astype(np.complex64)
-        window = np.exp(SIGMA_RAD_S * (self.seconds + later_s))
-        return np.asarray(np.fft.irfft(on_lines * weight, self.n) * window, dtype=np.float32)
-
-
-def _lines(n_steps: int, step_s: float) -> ComplexArray:
-    f_hz = np.fft.rfftfreq(n_steps, step_s)
-    return np.asarray(SIGMA_RAD_S + 2j * np.pi * f_hz[f_hz < _BAND_HZ])
 
 
 def _forces(lines: PostureLines, s: ComplexArray) -> ComplexArray:
@@ -177,48 +124,51 @@ def _forces(lines: PostureLines, s: ComplexArray) -> ComplexArray:
     return np.stack([pulse(s, float(peak), lines.width_s) for peak in lines.peaks_n])
 
 
-def _along(element: Element, turn: Array, at_once: int) -> Tangents:
-    """What the tangents of short steps make of a long one, the turn's change alike in each."""
-    n, n_memory = len(turn), element.n_memory
-    memory = np.zeros((n, n_memory))
-    found = []
-    for begin in range(0, turn.shape[1] - at_once + 1, at_once):
-        kept, followed = np.ones((n, n_memory)), np.zeros((n, n_memory))
-        by_turn, by_memory = np.zeros(n), np.zeros((n, n_memory))
-        for x in turn[:, begin : begin + at_once].T:
-            own = element.tangent(x, memory, STEP_S)
-            by_turn += (own.by_turn + np.sum(own.by_memory * followed, axis=1)) / at_once
-            by_memory += own.by_memory * kept / at_once
-            followed = own.kept * followed + own.followed
-            kept = own.kept * kept
-            memory = element.remember(x, memory, STEP_S)
-        found.append((by_turn, by_memory, kept, followed))
-    every = [np.stack(own, axis=1).astype(np.float32) for own in zip(*found, strict=True)]
-    return Tangents(
-        at_once=at_once, by_turn=every[0], by_memory=every[1], kept=every[2], followed=every[3]
-    )
-
-
-def _followed(along: Tangents, moved: Array32, by_impulse: Array32) -> Array32:
-    """Torque's changes (k, P, n, n_steps) under turns', alike; (P, n_steps) a step's torque."""
-    n_steps = moved.shape[-1]
-    change = np.zeros_like(moved)
+def _followed(along: Tangents, moved: Array32, by_steps: Array32) -> Array32:
+    """Torque's changes under turns' (k, P, m, PARTS n_steps), alike."""
+    n_postures, n_steps = by_steps.shape[:2]
+    # (P, n_steps, PARTS of the torque, PARTS)
+    answers = np.ascontiguousarray(by_steps.transpose(0, 1, 3, 2))
+    change = np.empty_like(moved)
     memory = np.zeros((*moved.shape[:3], along.kept.shape[-1]), dtype=np.float32)
-    first = by_impulse[:, 0, None]
-    left = 1.0 / (1.0 + first[..., None] * along.by_turn)
     for begin in range(0, n_steps, _BLOCK):
-        block = np.arange(begin, min(begin + _BLOCK, n_steps))
-        coming = moved[..., block]
+        end = min(begin + _BLOCK, n_steps)
+        coming = moved[..., PARTS * begin : PARTS * end]
         if begin:
-            ago = block[None, :] - np.arange(begin)[:, None]
-            coming = coming - change[..., :begin] @ by_impulse[:, ago]
-        for i, at in enumerate(block):
-            turn = coming[..., i]
-            if i:
-                back = by_impulse[:, i:0:-1, None]
-                turn = turn - (change[..., begin:at] @ back)[..., 0]
-            remembered = np.sum(along.by_memory[:, :, at] * memory, axis=-1)
-            turn = (turn - first * remembered) * left[:, :, at]
-            change[..., at] = along.by_turn[:, :, at] * turn + remembered
-            memory = along.kept[:, :, at] * memory + along.followed[:, :, at] * turn[..., None]
+            ago = np.arange(begin, end) - np.arange(begin)[:, None]
+            far = answers[:, ago].swapaxes(2, 3).reshape(n_postures, PARTS * begin, -1)
+            coming = coming - change[..., : PARTS * begin] @ far
+        for at in range(begin, end):
+            here = slice(PARTS * at, PARTS * (at + 1))
+            wanted = coming[..., PARTS * (at - begin) : PARTS * (at - begin + 1)]
+            if at > begin:
+                near = answers[:, at - begin : 0 : -1].reshape(n_postures, -1, PARTS)
+                wanted = wanted - change[..., PARTS * begin : here.start] @ near
+            change[..., here], memory = _step(along, at, wanted, by_steps[:, 0], memory)
     return change
+
+
+def _step(
+    along: Tangents, at: int, wanted: Array32, taken: Array32, memory: Array32
+) -> tuple[Array32, Array32]:
+    """Torque's changes (k, P, m, 2) of both parts of a step, and what is remembered after it."""
+    (by_0, by_1), (by_memory_0, by_memory_1), (kept_0, kept_1), (followed_0, followed_1) = (
+        np.moveaxis(own[:, :, at], 2, 0)
+        for own in (along.by_turn, along.by_memory, along.kept, along.followed)
+    )
+    # Torques by the turns of both parts, and by what is remembered before.
+    across = np.sum(by_memory_1 * followed_0, axis=-1)
+    torque_0 = np.sum(by_memory_0 * memory, axis=-1)
+    torque_1 = np.sum(by_memory_1 * kept_0 * memory, axis=-1)
+    (w_00, w_01), (w_10, w_11) = np.moveaxis(taken, 0, 2)[..., None]
+    off_0 = wanted[..., 0] - w_00 * torque_0 - w_01 * torque_1
+    off_1 = wanted[..., 1] - w_10 * torque_0 - w_11 * torque_1
+    a, b = 1.0 + w_00 * by_0 + w_01 * across, w_01 * by_1
+    c, d = w_10 * by_0 + w_11 * across, 1.0 + w_11 * by_1
+    left = 1.0 / (a * d - b * c)
+    turn_0, turn_1 = left * (d * off_0 - b * off_1), left * (a * off_1 - c * off_0)
+    torque_0 = torque_0 + by_0 * turn_0
+    torque_1 = torque_1 + across * turn_0 + by_1 * turn_1
+    memory = kept_0 * memory + followed_0 * turn_0[..., None]
+    memory = kept_1 * memory + followed_1 * turn_1[..., None]
+    return np.stack([torque_0, torque_1], axis=-1), memory

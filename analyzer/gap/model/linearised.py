@@ -35,15 +35,14 @@ from armodal.analyzer.gap.model.law_in_place import (
 )
 from armodal.analyzer.gap.model.law_steps import own_spring, slope_of, steps_of
 from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.march import march
 from armodal.analyzer.gap.model.posed import PosedModel, Postures
+from armodal.analyzer.gap.model.steps import STEPS
 from armodal.analyzer.gap.model.swings import (
     SIGMA_RAD_S,
-    STEP_S,
     Swings,
     forces_of,
     free_turns,
-    march,
-    seconds,
     turns_of,
 )
 from armodal.analyzer.gap.model.systems import systems
@@ -151,7 +150,9 @@ def swings_of(
             turn = turns[np.argmax(np.abs(turns).max(axis=1))]
             if np.abs(turn).max() > largest:
                 largest = float(np.abs(turn).max())
-                rate = float(np.linalg.norm(np.gradient(turn, STEP_S)) / np.linalg.norm(turn))
+                rate = float(
+                    np.linalg.norm(np.gradient(turn, STEPS.seconds)) / np.linalg.norm(turn)
+                )
         found.append((joint, largest, rate))
     return tuple(found)
 
@@ -188,13 +189,13 @@ def _about(
     about = _beside(plain, law, groups, lines, values, followed, per_unit)
     if not slopes:
         return about
-    by_torque = {name: posture.swings[0].by_torque for name, posture in postures.items()}
+    by_steps = {name: posture.swings[0].by_steps for name, posture in postures.items()}
     own_slopes = {
         name: slope_of(plain, law.joint, groups, lines, name, ends, (back, on))
         for (name, ends), back, on in zip(own_steps.items(), beside[::2], beside[1::2], strict=True)
     }
     return with_all_slopes(
-        about, plain, law, groups, models, lines, values, by_torque, followed, own_slopes
+        about, plain, law, groups, models, lines, values, by_steps, followed, own_slopes
     )
 
 
@@ -230,11 +231,11 @@ def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLine
     """
     names = list(cases[0][0])
     order = sorted(range(len(lines)), key=lambda p: names.index(lines[p].name))
-    impulses: list[Array] = []
+    by_steps: list[Array] = []
     free, groups, elements, counts = [], [], [], []
     for postures, points in cases:
-        before = len(impulses)
-        impulses += [postures[name].swings[0].by_impulse for name in names]
+        before = len(by_steps)
+        by_steps += [postures[name].swings[0].by_steps for name in names]
         for p in order:
             own, posture = lines[p], postures[lines[p].name]
             turns = free_turns(posture.swings[0], own.hit, forces_of(own.peaks_n, own.width_s))
@@ -243,16 +244,10 @@ def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLine
                 elements.append(law.element(point, law.load_n_m(posture.geometry)))
                 counts.append(len(turns))
             groups += [before + names.index(own.name)] * len(turns) * len(points)
-    all_free, group = np.concatenate(free), np.array(groups)
     with np.errstate(over="ignore", invalid="ignore"):
-        torque = march(np.stack(impulses), group, all_free, stacked(elements, counts))
-    back = np.empty_like(torque)
-    for g, impulse in enumerate(impulses):
-        rows = np.flatnonzero(group == g)
-        n = 2 * torque.shape[1]
-        turned = np.fft.irfft(np.fft.rfft(torque[rows], n) * np.fft.rfft(impulse, n), n)
-        back[rows] = STEP_S * turned[:, : torque.shape[1]]
-    moved = all_free - back
+        turns, torques = march(
+            np.stack(by_steps), np.array(groups), np.concatenate(free), stacked(elements, counts)
+        )
     swung: list[_Swung] = []
     begin = 0
     for _, points in cases:
@@ -261,7 +256,7 @@ def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLine
             m = len(lines[p].peaks_n)
             end = begin + m * len(points)
             shape = (len(points), m, -1)
-            found[p] = moved[begin:end].reshape(shape), torque[begin:end].reshape(shape)
+            found[p] = turns[begin:end].reshape(shape), torques[begin:end].reshape(shape)
             begin = end
         swung.append([found[p] for p in range(len(lines))])
     return swung
@@ -367,8 +362,8 @@ def linearised_about_each(
 
 def _spring_and_damper(turn: Array, torque: Array) -> tuple[float, float]:
     """N m/rad and N m s/rad nearest to torques (m, n_steps), late ones counting less."""
-    window = np.exp(-SIGMA_RAD_S * seconds())
-    rate = np.gradient(turn, STEP_S, axis=1)
+    window = np.sqrt(STEPS.weights_s) * np.exp(-SIGMA_RAD_S * STEPS.seconds)
+    rate = np.gradient(turn, STEPS.seconds, axis=1)
     basis = np.stack([(turn * window).ravel(), (rate * window).ravel()])
     k, c = np.linalg.lstsq(basis.T, (torque * window).ravel(), rcond=None)[0]
     return float(k), float(c)

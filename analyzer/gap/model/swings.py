@@ -1,17 +1,14 @@
-"""How a joint turns under hits while a torque of its own law acts on it, step by step in time.
+"""How a joint turns under hits, and by torques of its own.
 
-With x_0 the turn that a linear model foretells and g the turn by a unit impulse of torque,
-
-    x(t) = x_0(t) - int g(t - u) tau(x(u), ...) du ,
-
-one equation however many coordinates the arm has. Both come from the model's answers on the lines
-s = sigma + j w, damped enough that a short record holds them.
+Both are known from the model's answers: to hits on lines s = sigma + j w, damped enough that a
+short record holds them, to a torque where its steps ask for it (`steps.py`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -21,44 +18,41 @@ from armodal.analyzer.arm.hysteresis import lost_by_power
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
-from armodal.analyzer.gap.model.joint_laws import Element
+from armodal.analyzer.gap.model.steps import PARTS, STEPS
 
 __all__ = [
     "SIGMA_RAD_S",
-    "STEP_S",
+    "Points",
     "Swings",
     "forces_of",
     "free_turns",
-    "march",
+    "in_steps",
+    "lines_below",
+    "points",
     "pulse",
-    "seconds",
     "turns_of",
 ]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
-STEP_S, _STEPS = 5e-4, 1200
 # As near to the poles as the finest lines of a fit: what comes after the record counts nothing.
 SIGMA_RAD_S = 4.0 * np.pi
 _BAND_HZ = 500.0  # twice as far as the lines of a fit at most
 _TAPER = 0.15  # of the band, cosine
-_BLOCK = 32
-_NEWTON = 3
-_ROUNDING = 1e-9  # of the largest turn: a step of the solution that changes nothing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Swings:
-    """A joint in one posture, on the lines of `turns_of`."""
+    """A joint in one posture, at the points of `turns_of`."""
 
-    by_force: ComplexArray  # (n_hits, L) rad/N, of each hit
-    by_torque: ComplexArray  # (L,) rad/(N m)
+    by_force: ComplexArray  # (n_hits, L) rad/N, of each hit, at those of them that are lines
+    by_torque: ComplexArray  # (M,) rad/(N m), at all
 
     @property
-    def by_impulse(self) -> Array:
-        """(n_steps,) rad/(N m s)."""
-        return _in_time(self.by_torque)
+    def by_steps(self) -> Array:
+        """(n_steps, PARTS, PARTS) rad/(N m), by a torque in each part of a step (`Steps.of`)."""
+        return STEPS.of(self.by_torque[points().steps])
 
     def stiffer(self, stiffness: float, damping: float, loss: float, power: float) -> Swings:
         """Return the same with so much more in N m/rad and N m s/rad on the joint's spring.
@@ -66,31 +60,54 @@ class Swings:
         `loss` is the factor by which its stiffness loses, growing with that power of frequency
         (`hysteresis.lost_by_power`).
         """
-        s = _lines()
+        s = points().s_rad_s
         more = stiffness * (1.0 + loss * lost_by_power(s, np.array(power))) + damping * s
         left = 1.0 / (1.0 + more * self.by_torque)
-        return Swings(by_force=self.by_force * left, by_torque=self.by_torque * left)
+        return Swings(
+            by_force=self.by_force * left[points().lines], by_torque=self.by_torque * left
+        )
 
 
-def seconds() -> Array:
-    """Return (n_steps,) time of every step."""
-    return np.asarray(STEP_S * np.arange(_STEPS))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Points:
+    """Where a posture is solved: rad/s, and which of them are for what."""
+
+    s_rad_s: ComplexArray
+    lines: slice  # of what comes before a torque
+    steps: slice
 
 
-def _lines() -> ComplexArray:
+@cache
+def points() -> Points:
+    """Return those of every posture."""
+    lines = lines_below(_BAND_HZ)
+    return Points(
+        s_rad_s=np.concatenate([lines, STEPS.s_rad_s]),
+        lines=slice(0, len(lines)),
+        steps=slice(len(lines), None),
+    )
+
+
+def lines_below(band_hz: float) -> ComplexArray:
     """(L,) as far as anything of an arm answers; beyond, what is in time has nothing."""
-    f_hz = np.fft.rfftfreq(_STEPS, STEP_S)
-    return np.asarray(SIGMA_RAD_S + 2j * np.pi * f_hz[f_hz < _BAND_HZ])
+    f_hz = np.arange(band_hz * STEPS.n * STEPS.step_s) / (STEPS.n * STEPS.step_s)
+    return np.asarray(SIGMA_RAD_S + 2j * np.pi * f_hz)
 
 
-def _in_time(on_lines: ComplexArray) -> Array:
-    """(..., n_steps) of (..., L)."""
+def in_steps(on_lines: ComplexArray) -> Array:
+    """(..., PARTS n_steps) in time, of (..., L) on `lines_below`."""
     n = on_lines.shape[-1]
     taper = np.ones(n)
     ends = round(_TAPER * n)
     taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
-    window = np.exp(SIGMA_RAD_S * seconds()) / STEP_S
-    return np.asarray(np.fft.irfft(on_lines * taper, _STEPS) * window)
+    real = np.float32 if on_lines.dtype == np.complex64 else np.float64
+    found = np.empty((*on_lines.shape[:-1], STEPS.n, PARTS), dtype=real)
+    for part in range(PARTS):
+        later = np.exp(lines_below(_BAND_HZ)[:n] * STEPS.seconds[part])
+        weight = (taper * later / STEPS.step_s).astype(on_lines.dtype)
+        found[..., part] = np.fft.irfft(on_lines * weight, STEPS.n)
+    found *= np.exp(SIGMA_RAD_S * STEPS.step_s * np.arange(STEPS.n))[:, None].astype(real)
+    return found.reshape(*on_lines.shape[:-1], -1)
 
 
 def pulse(s_rad_s: ComplexArray, peak_n: float, width_s: float) -> ComplexArray:
@@ -110,70 +127,27 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
     rows
         (n,) by which each joint's spring stretches.
     """
-    s = _lines()[None]
+    s = points().s_rad_s[None]
     soft = np.isfinite(system.compliance[0])
     gamma = np.where(soft, system.compliance, 1.0)[:, None]
     scale = np.where(soft, gamma / resists(system, s), 1.0)
     A = dynamic_stiffness(system, s)
     A *= scale[..., None]
     A[..., soft, soft] += 1.0
-    answers = np.linalg.solve(A[0], scale[0][..., None] * np.transpose(rows))  # (L, n, k)
+    answers = np.linalg.solve(A[0], scale[0][..., None] * np.transpose(rows))  # (M, n, k)
     forces = (system.force[0][:, None] @ system.hit[0])[:, 0]  # (n_hits, n)
     return [
-        Swings(by_force=forces @ answer.T, by_torque=answer @ row)
+        Swings(by_force=forces @ answer[points().lines].T, by_torque=answer @ row)
         for answer, row in zip(np.moveaxis(answers, 2, 0), rows, strict=True)
     ]
 
 
 def free_turns(swings: Swings, hit: npt.NDArray[np.int64], forces: ComplexArray) -> Array:
-    """(m, n_steps) turns in rad under hits with the transforms (m, L), each at a place (m,)."""
-    return _in_time(swings.by_force[hit] * forces)
+    """(m, PARTS n_steps) turns in rad under hits with transforms (m, L), each at a place (m,)."""
+    return in_steps(swings.by_force[hit] * forces)
 
 
 def forces_of(peaks_n: Array, width_s: float) -> ComplexArray:
     """(m, L) transforms of half sines on the lines of `turns_of`."""
-    return np.stack([pulse(_lines(), float(peak), width_s) for peak in peaks_n])
-
-
-def march(by_impulse: Array, groups: npt.NDArray[np.int64], free: Array, element: Element) -> Array:
-    """Torque (n, n_steps) of an element in n swings.
-
-    Parameters
-    ----------
-    by_impulse
-        (P, n_steps) of every posture.
-    groups
-        (n,) posture of each swing, ascending.
-    free
-        (n, n_steps) turns without it.
-    element
-        Of n rows.
-    """
-    n, steps = free.shape
-    torque = np.zeros((n, steps))
-    memory = np.zeros((n, element.n_memory))
-    of_row = STEP_S * by_impulse[groups]  # (n, n_steps)
-    rows = [np.flatnonzero(groups == p) for p in range(len(by_impulse))]
-    for begin in range(0, steps, _BLOCK):
-        block = np.arange(begin, min(begin + _BLOCK, steps))
-        coming = free[:, block].copy()
-        if begin:
-            ago = block[None, :] - np.arange(begin)[:, None]
-            for own, g in zip(rows, by_impulse, strict=True):
-                coming[own] -= STEP_S * (torque[own, :begin] @ g[ago])
-        for i, at in enumerate(block):
-            wanted = coming[:, i]
-            if i:
-                back = of_row[:, i:0:-1]
-                wanted = wanted - np.einsum("ni,ni->n", torque[:, begin:at], back)
-            x = wanted
-            tau, slope = element.resist(x, memory)
-            for _ in range(_NEWTON):
-                step = (x - wanted + of_row[:, 0] * tau) / (1.0 + of_row[:, 0] * slope)
-                x = x - step
-                tau, slope = element.resist(x, memory)
-                if np.abs(step).max() <= _ROUNDING * np.abs(x).max():
-                    break
-            torque[:, at] = tau
-            memory = element.remember(x, memory, STEP_S)
-    return torque
+    s = points().s_rad_s[points().lines]
+    return np.stack([pulse(s, float(peak), width_s) for peak in peaks_n])

@@ -17,18 +17,26 @@ from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Stage, best_starting_point, cost_at, fit_hypothesis
 from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.joint_laws import Bent, Play
+from armodal.analyzer.gap.model.joint_laws import Bent, Play, Sliders
 from armodal.analyzer.gap.model.joint_turns import holding_back
 from armodal.analyzer.gap.model.linearised import linearised, swings_of
 from armodal.analyzer.gap.model.lines import Annealing, own_lines
+from armodal.analyzer.gap.model.march import march
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import Postures
-from armodal.analyzer.gap.model.swings import STEP_S, march, pulse, seconds
+from armodal.analyzer.gap.model.steps import STEPS
+from armodal.analyzer.gap.model.swings import pulse
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 from armodal.protocols.errors import ArmError
 
 LAWS = (backlash, friction, microslip, softening)
+
+
+def steps_of_a_mass(mass, k, c):
+    """How a mass on a spring turns by a torque in steps, (n_steps, PARTS, PARTS)."""
+    s = STEPS.s_rad_s
+    return STEPS.of(1.0 / (mass * s**2 + c * s + k))
 
 
 def made(kind, mass, k, c, force):
@@ -39,7 +47,7 @@ def made(kind, mass, k, c, force):
         torque = kind.resist(np.array([x]), np.zeros((1, 0)))[0][0]
         return [v, (force(t) - k * x - c * v - torque) / mass]
 
-    t = seconds()
+    t = STEPS.seconds
     return integrate.solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-14).y[0]
 
 
@@ -62,7 +70,7 @@ def test_a_joint_followed_in_time_is_where_an_integrator_says(element):
     def force(t):
         return peak * np.sin(np.pi * t / length) if t < length else 0.0
 
-    t = seconds()
+    t = STEPS.seconds
     w = np.sqrt(k / mass - (c / mass / 2) ** 2)
     impulse = np.exp(-c / mass / 2 * t) * np.sin(w * t) / (mass * w)
     fine = 1e-5 * np.arange(round(length / 1e-5))
@@ -73,13 +81,39 @@ def test_a_joint_followed_in_time_is_where_an_integrator_says(element):
         ],
         axis=0,
     )
-    torque = march(impulse[None], np.zeros(1, dtype=int), free[None], element)[0]
-    turn = free - STEP_S * np.convolve(torque, impulse)[: t.size]
+    ((turn,), _) = march(
+        steps_of_a_mass(mass, k, c)[None], np.zeros(1, dtype=int), free[None], element
+    )
     want = made(element, mass, k, c, force)
     assert np.abs(free - want).max() > 0.2 * np.abs(want).max()  # the element matters
-    # Half a millisecond a step, weighed as the finest lines do.
+    # A millisecond a step, weighed as the finest lines do.
     late = np.exp(-4.0 * np.pi * t)
     assert np.abs((turn - want) * late).max() < 0.01 * np.abs(want).max()
+
+
+@pytest.mark.parametrize("before", [3e1, 3e2, 3e3, 3e5])
+def test_dry_friction_takes_as_much_of_every_swing_and_then_holds(before):
+    # A mass on a spring that is let go: 2 L / k less at every turn (Den Hartog, Mechanical
+    # Vibrations, 1956, 8.3), until the spring can move it no more.
+    mass, k, limit, start = 0.1, 1000.0, 1.3, 0.01
+    t = STEPS.seconds
+    free = start * np.cos(np.sqrt(k / mass) * t)
+    slider = Sliders(
+        stiffness=np.array([[before * k]]), limit=np.array([[limit]]), creep_per_s=np.zeros(1)
+    )
+    ((turn,), (torque,)) = march(
+        steps_of_a_mass(mass, k, 0.0)[None], np.zeros(1, dtype=int), (free - start)[None], slider
+    )
+    turn = turn + start
+    n_turns = int((start / (limit / k) - 1.0) / 2.0) + 1
+    turns = np.arange(n_turns + 1)
+    at = np.searchsorted(t, np.pi * turns / np.sqrt(k / mass))
+    want = (start - 2.0 * limit / k * turns) * (-1.0) ** turns
+    # It gives way by 2 L / before / k before it slips the other way.
+    slack = 2.0 * limit / k / before
+    np.testing.assert_allclose(turn[at], want, atol=0.01 * start + n_turns * slack)
+    assert np.ptp(turn[at[-1] + 10 :]) < 0.01 * start + slack
+    assert np.abs(torque).max() == pytest.approx(limit)
 
 
 def test_a_pulse_has_the_transform_of_a_half_sine():
