@@ -33,6 +33,7 @@ __all__ = [
     "added_logs",
     "harmonic_spring",
     "over_a_swing",
+    "rows_of",
     "stacked",
 ]
 
@@ -254,6 +255,12 @@ def stacked(elements: Sequence[E], counts: Sequence[int]) -> E:
     }
     found: E = type(first)(**columns)
     return found
+
+
+def rows_of(element: E, rows: npt.NDArray[np.int64]) -> E:
+    """One element with some rows of another."""
+    kept: Any = element
+    return type(element)(**{field.name: getattr(kept, field.name)[rows] for field in fields(kept)})
 
 
 def over_a_swing(element: Element, swing_rad: float, rate_rad_s: float) -> tuple[float, float]:

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.joint_laws import Element
+from armodal.analyzer.gap.model.line_arrays import real_times
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.model.space import Space
@@ -114,7 +115,7 @@ def torque_slopes(
         change = _followed(tangents, moved, in_time)
         for p, own in enumerate(together.lines):
             at = STEPS.weights_s[:, None] * np.exp(-np.outer(STEPS.seconds, own.s_rad_s))
-            taken = change[:, p] @ at.astype(np.complex64)
+            taken = real_times(change[:, p], at.astype(np.complex64))
             found[some, p] = taken / _forces(own, own.s_rad_s)
     return found
 
@@ -157,18 +158,26 @@ def _step(
         for own in (along.by_turn, along.by_memory, along.kept, along.followed)
     )
     # Torques by the turns of both parts, and by what is remembered before.
-    across = np.sum(by_memory_1 * followed_0, axis=-1)
-    torque_0 = np.sum(by_memory_0 * memory, axis=-1)
-    torque_1 = np.sum(by_memory_1 * kept_0 * memory, axis=-1)
+    across = _over(by_memory_1, followed_0)
+    torque_0 = _over(by_memory_0, memory)
+    torque_1 = _over(by_memory_1 * kept_0, memory)
     (w_00, w_01), (w_10, w_11) = np.moveaxis(taken, 0, 2)[..., None]
     off_0 = wanted[..., 0] - w_00 * torque_0 - w_01 * torque_1
     off_1 = wanted[..., 1] - w_10 * torque_0 - w_11 * torque_1
     a, b = 1.0 + w_00 * by_0 + w_01 * across, w_01 * by_1
     c, d = w_10 * by_0 + w_11 * across, 1.0 + w_11 * by_1
     left = 1.0 / (a * d - b * c)
-    turn_0, turn_1 = left * (d * off_0 - b * off_1), left * (a * off_1 - c * off_0)
-    torque_0 = torque_0 + by_0 * turn_0
-    torque_1 = torque_1 + across * turn_0 + by_1 * turn_1
-    memory = kept_0 * memory + followed_0 * turn_0[..., None]
-    memory = kept_1 * memory + followed_1 * turn_1[..., None]
-    return np.stack([torque_0, torque_1], axis=-1), memory
+    turn_0 = (left * d) * off_0 - (left * b) * off_1
+    turn_1 = (left * a) * off_1 - (left * c) * off_0
+    torque = np.empty_like(wanted)
+    torque[..., 0] = torque_0 + by_0 * turn_0
+    torque[..., 1] = torque_1 + across * turn_0 + by_1 * turn_1
+    if memory.size:
+        memory = kept_1 * kept_0 * memory + kept_1 * followed_0 * turn_0[..., None]
+        memory += followed_1 * turn_1[..., None]
+    return torque, memory
+
+
+def _over(by_memory: Array32, memory: Array32) -> Array32:
+    """Sum over what is remembered, the last axis of both."""
+    return np.asarray(np.einsum("...i,...i->...", by_memory, memory))

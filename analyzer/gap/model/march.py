@@ -10,11 +10,13 @@ are solved together.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.joint_laws import Element
-from armodal.analyzer.gap.model.steps import STEPS
+from armodal.analyzer.gap.model.joint_laws import Element, rows_of
+from armodal.analyzer.gap.model.steps import PARTS, STEPS
 
 __all__ = ["march"]
 
@@ -41,72 +43,128 @@ def march(
     element
         Of n rows.
     """
-    _, n_steps, parts, _ = by_steps.shape
-    n = len(free)
-    coming = free.reshape(n, n_steps, parts).copy()
-    turn, torque = np.empty_like(coming), np.empty_like(coming)
+    n, n_steps = len(free), by_steps.shape[1]
+    turn, torque = np.empty_like(free), np.empty_like(free)
     last, memory = np.zeros(n), np.zeros((n, element.n_memory))
-    near = by_steps[groups, :_BLOCK]  # (n, _BLOCK, PARTS, PARTS)
-    rows = [np.flatnonzero(groups == p) for p in range(len(by_steps))]
+    # What torques of the steps before do to a step, the last at the end: (n, PARTS _BLOCK, PARTS).
+    near = by_steps[groups, _BLOCK - 1 : 0 : -1].swapaxes(2, 3).reshape(n, -1, PARTS)
+    taken = by_steps[groups, 0]
+    begins = np.searchsorted(groups, np.arange(len(by_steps) + 1))
     for begin in range(0, n_steps, _BLOCK):
         end = min(begin + _BLOCK, n_steps)
+        coming = free[:, PARTS * begin : PARTS * end].copy()
         if begin:
-            ago = np.arange(begin, end)[:, None] - np.arange(begin)
-            for own, of_steps in zip(rows, by_steps, strict=True):
-                far = of_steps[ago].transpose(0, 2, 1, 3).reshape(-1, begin * parts)
-                taken = torque[own, :begin].reshape(len(own), -1) @ far.T
-                coming[own, begin:end] -= taken.reshape(len(own), -1, parts)
+            ago = np.arange(begin, end) - np.arange(begin)[:, None]
+            for own, of_steps in zip(map(slice, begins, begins[1:]), by_steps, strict=True):
+                far = of_steps[ago].transpose(0, 3, 1, 2).reshape(PARTS * begin, -1)
+                coming[own] -= torque[own, : PARTS * begin] @ far
         for at in range(begin, end):
-            wanted = coming[:, at]
+            here = slice(PARTS * at, PARTS * (at + 1))
+            wanted = coming[:, PARTS * (at - begin) : PARTS * (at - begin + 1)]
             if at > begin:
-                back = near[:, at - begin : 0 : -1]
-                wanted = wanted - np.einsum("nkij,nkj->ni", back, torque[:, begin:at])
-            turn[:, at], torque[:, at], memory = _step(last, wanted, near[:, 0], element, memory)
-            last = turn[:, at, -1]
-    return turn.reshape(n, -1), torque.reshape(n, -1)
+                before = torque[:, PARTS * begin : here.start]
+                wanted = wanted - np.einsum("nk,nki->ni", before, near[:, -before.shape[1] :])
+            turn[:, here], torque[:, here], memory = _step(last, wanted, taken, element, memory)
+            last = turn[:, here.stop - 1]
+    return turn, torque
 
 
 def _step(
     last: Array, wanted: Array, taken: Array, element: Element, memory: Array
 ) -> tuple[Array, Array, Array]:
-    """Turns and torques (n, 2) of both parts of a step, and what is remembered after it.
+    """Turns and torques (n, PARTS) of both parts of a step, and what is remembered after it.
 
     Newton's steps from the last turn; where one would go past the corner of a slider and further
-    from the solution it is halved.
+    from the solution it is halved. What moves no more is left where it is.
     """
-    first_s, second_s = STEPS.lasts_s
     turn = np.stack([last, last], axis=1)
     halfway, torque, off = _off(turn, wanted, taken, element, memory)
+    active = np.arange(len(last))
+    own = _Active(
+        turn=turn,
+        halfway=halfway,
+        off=off,
+        wanted=wanted,
+        taken=taken,
+        element=element,
+        memory=memory,
+    )
     for _ in range(_MOST_TURNS):
-        first = element.tangent(turn[:, 0], memory, first_s)
-        second = element.tangent(turn[:, 1], halfway, second_s)
-        slope = np.zeros((len(turn), 2, 2))
-        slope[:, 0, 0], slope[:, 1, 1] = first.by_turn, second.by_turn
-        slope[:, 1, 0] = np.sum(second.by_memory * first.followed, axis=1)
-        (a, b), (c, d) = np.moveaxis(np.eye(2) + taken @ slope, 0, 2)
-        step = np.stack([d * off[:, 0] - b * off[:, 1], a * off[:, 1] - c * off[:, 0]], axis=1)
-        step /= (a * d - b * c)[:, None]
-        small = _ROUNDING * np.abs(turn - step).max()
-        before, part = np.sum(off**2, axis=1), np.ones(len(turn))
+        small = _ROUNDING * np.abs(turn).max()
+        there, own_torque = own.further(small)
+        moved = np.abs(there.turn - own.turn).max(axis=1)
+        turn[active], halfway[active], torque[active] = there.turn, there.halfway, own_torque
+        # False of what is no number: that is told by who asked.
+        goes_on = np.flatnonzero(moved > small)
+        if goes_on.size == 0:
+            break
+        active = active[goes_on]
+        own = there if goes_on.size == len(moved) else there.rows(goes_on)
+    return turn, torque, element.remember(turn[:, 1], halfway, STEPS.lasts_s[1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Active:
+    """Swings in a step, where they are on the way to its solution."""
+
+    turn: Array  # (n, PARTS)
+    halfway: Array  # what is remembered
+    off: Array  # (n, PARTS) how far turns are off what their torques leave
+    wanted: Array  # (n, PARTS)
+    taken: Array  # (n, PARTS, PARTS)
+    element: Element
+    memory: Array
+
+    def rows(self, rows: npt.NDArray[np.int64]) -> _Active:
+        """Return some of them."""
+        return _Active(
+            turn=self.turn[rows],
+            halfway=self.halfway[rows],
+            off=self.off[rows],
+            wanted=self.wanted[rows],
+            taken=self.taken[rows],
+            element=rows_of(self.element, rows),
+            memory=self.memory[rows],
+        )
+
+    def further(self, small: float) -> tuple[_Active, Array]:
+        """Return them a step of Newton's on, and their torques (n, PARTS).
+
+        What is so small is nothing.
+        """
+        step = self._step()
+        far = np.sum(self.off**2, axis=1)
+        is_off = far > small**2
+        part = np.ones(len(far))
         for _ in range(_HALVED):
-            there = turn - part[:, None] * step
-            halfway, torque, off = _off(there, wanted, taken, element, memory)
-            worse = (np.sum(off**2, axis=1) >= before) & (before > small**2)
+            turn = self.turn - part[:, None] * step
+            halfway, torque, off = _off(turn, self.wanted, self.taken, self.element, self.memory)
+            worse = (np.sum(off**2, axis=1) >= far) & is_off
             if not worse.any():
                 break
             part[worse] *= 0.5
-        moved = np.abs(there - turn).max()
-        turn = there
-        # False of what is no number: that is told by who asked.
-        if not moved > small:
-            break
-    return turn, torque, element.remember(turn[:, 1], halfway, second_s)
+        return replace(self, turn=turn, halfway=halfway, off=off), torque
+
+    def _step(self) -> Array:
+        first_s, second_s = STEPS.lasts_s
+        first = self.element.tangent(self.turn[:, 0], self.memory, first_s)
+        second = self.element.tangent(self.turn[:, 1], self.halfway, second_s)
+        across = np.einsum("ni,ni->n", second.by_memory, first.followed)
+        w = self.taken
+        a = 1.0 + w[:, 0, 0] * first.by_turn + w[:, 0, 1] * across
+        b = w[:, 0, 1] * second.by_turn
+        c = w[:, 1, 0] * first.by_turn + w[:, 1, 1] * across
+        d = 1.0 + w[:, 1, 1] * second.by_turn
+        step = np.empty_like(self.turn)
+        step[:, 0] = d * self.off[:, 0] - b * self.off[:, 1]
+        step[:, 1] = a * self.off[:, 1] - c * self.off[:, 0]
+        return np.asarray(step / (a * d - b * c)[:, None])
 
 
 def _off(
     turn: Array, wanted: Array, taken: Array, element: Element, memory: Array
 ) -> tuple[Array, Array, Array]:
-    """What is remembered halfway, the torques (n, 2), and how far turns are off what they leave."""
+    """What is remembered halfway, the torques (n, PARTS), and how far turns are off."""
     halfway = element.remember(turn[:, 0], memory, STEPS.lasts_s[0])
     torque = np.empty_like(turn)
     torque[:, 0], _ = element.resist(turn[:, 0], memory)
