@@ -6,7 +6,7 @@ turn, and that the turn again:
     dx(t) = dw(t) - int g(t - u) dtau(u) du ,    dtau = (tangent of the law along x) dx ,
 
 g the turn by a unit impulse of torque: one linear equation a hit, followed as the hit itself is
-(`march.py`), for many parameters at once.
+(`march.py`) but in longer steps, for many parameters at once.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from armodal.analyzer.gap.model.line_arrays import real_times
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.model.space import Space
-from armodal.analyzer.gap.model.steps import PARTS, STEPS
-from armodal.analyzer.gap.model.swings import in_steps, lines_below, pulse
+from armodal.analyzer.gap.model.steps import LONG, PARTS, STEPS
+from armodal.analyzer.gap.model.swings import after_steps, lines_below, pulse
 
 __all__ = ["Tangents", "tangents_along", "torque_slopes"]
 
@@ -36,11 +36,16 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 _BAND_HZ = 200.0
 _BLOCK = 20
 _AT_ONCE = 2**24  # changes of turns, for memory's sake
+# Where parts of long steps end among those of the others.
+_ENDS = np.array([np.argmin(np.abs(STEPS.seconds - end)) for end in LONG.seconds])
 
 
 @dataclass(frozen=True, slots=True)
 class Tangents:
-    """An element along swings: `joint_laws.Tangent`, (..., n_steps, PARTS, ...)."""
+    """An element along swings: `joint_laws.Tangent` over each part of a long step.
+
+    (..., n_steps, PARTS, ...).
+    """
 
     by_turn: Array32
     by_memory: Array32
@@ -54,16 +59,29 @@ class Tangents:
 
 
 def tangents_along(element: Element, turn: Array) -> Tangents:
-    """Return an element's tangents along swings, of n rows and (n, PARTS n_steps) rad."""
-    n = len(turn)
-    memory = np.zeros((n, element.n_memory))
-    found = []
-    for x, lasts_s in zip(turn.T, np.tile(STEPS.lasts_s, STEPS.n), strict=True):
-        own = element.tangent(x, memory, lasts_s)
-        found.append((own.by_turn, own.by_memory, own.kept, own.followed))
-        memory = element.remember(x, memory, lasts_s)
+    """Return an element's tangents along swings, its turn's change alike all over a part.
+
+    Of n rows, and (n, PARTS n) rad in short steps.
+    """
+    n, n_memory = len(turn), element.n_memory
+    memory = np.zeros((n, n_memory))
+    lasts_s = np.tile(STEPS.lasts_s, STEPS.n)
+    found, begin = [], 0
+    for end in _ENDS + 1:
+        kept, followed = np.ones((n, n_memory)), np.zeros((n, n_memory))
+        by_turn, by_memory = np.zeros(n), np.zeros((n, n_memory))
+        for i in range(begin, end):
+            own = element.tangent(turn[:, i], memory, lasts_s[i])
+            share = lasts_s[i] / lasts_s[begin:end].sum()
+            by_turn += share * (own.by_turn + np.sum(own.by_memory * followed, axis=1))
+            by_memory += share * own.by_memory * kept
+            followed = own.kept * followed + own.followed
+            kept = own.kept * kept
+            memory = element.remember(turn[:, i], memory, lasts_s[i])
+        found.append((by_turn, by_memory, kept, followed))
+        begin = end
     every = [np.stack(own, axis=1).astype(np.float32) for own in zip(*found, strict=True)]
-    return Tangents(*(own.reshape(n, STEPS.n, PARTS, *own.shape[2:]) for own in every))
+    return Tangents(*(own.reshape(n, LONG.n, PARTS, *own.shape[2:]) for own in every))
 
 
 def torque_slopes(
@@ -72,7 +90,7 @@ def torque_slopes(
     space: Space,
     values: Mapping[str, float],
     rows: Array,
-    by_steps: Array,
+    by_long_steps: Array,
     tangents: Tangents,
     torque: Array,
 ) -> ComplexArray:
@@ -86,8 +104,8 @@ def torque_slopes(
         The model without the law, its parameters, and where it is.
     rows
         (P, N) by which the joint's spring stretches.
-    by_steps
-        (P, n_steps, PARTS, PARTS) rad/(N m), its turns by a torque (`Swings.by_steps`).
+    by_long_steps
+        (P, n_steps, PARTS, PARTS) rad/(N m), its turns by a torque (`Swings.by_long_steps`).
     tangents
         Of (P, m) swings, one a mounting.
     torque
@@ -107,14 +125,14 @@ def torque_slopes(
     n_lines = len(together.lines[0].s_rad_s)
     found = np.zeros((*by_force.shape[:3], n_lines), dtype=np.complex64)
     moves = np.flatnonzero(np.abs(by_force).max(axis=(1, 2, 3)) > 0.0)
-    in_time = by_steps.astype(np.float32)
+    in_time = by_long_steps.astype(np.float32)
     at_once = max(1, _AT_ONCE // torque.size)
     for first in range(0, len(moves), at_once):
         some = moves[first : first + at_once]
-        moved = in_steps(by_force[some] * forces).astype(np.float32)
+        moved = after_steps(by_force[some] * forces)[..., _ENDS // PARTS].astype(np.float32)
         change = _followed(tangents, moved, in_time)
         for p, own in enumerate(together.lines):
-            at = STEPS.weights_s[:, None] * np.exp(-np.outer(STEPS.seconds, own.s_rad_s))
+            at = LONG.weights_s[:, None] * np.exp(-np.outer(LONG.seconds, own.s_rad_s))
             taken = real_times(change[:, p], at.astype(np.complex64))
             found[some, p] = taken / _forces(own, own.s_rad_s)
     return found
@@ -125,11 +143,11 @@ def _forces(lines: PostureLines, s: ComplexArray) -> ComplexArray:
     return np.stack([pulse(s, float(peak), lines.width_s) for peak in lines.peaks_n])
 
 
-def _followed(along: Tangents, moved: Array32, by_steps: Array32) -> Array32:
+def _followed(along: Tangents, moved: Array32, by_long_steps: Array32) -> Array32:
     """Torque's changes under turns' (k, P, m, PARTS n_steps), alike."""
-    n_postures, n_steps = by_steps.shape[:2]
+    n_postures, n_steps = by_long_steps.shape[:2]
     # (P, n_steps, PARTS of the torque, PARTS)
-    answers = np.ascontiguousarray(by_steps.transpose(0, 1, 3, 2))
+    answers = np.ascontiguousarray(by_long_steps.transpose(0, 1, 3, 2))
     change = np.empty_like(moved)
     memory = np.zeros((*moved.shape[:3], along.kept.shape[-1]), dtype=np.float32)
     for begin in range(0, n_steps, _BLOCK):
@@ -145,7 +163,7 @@ def _followed(along: Tangents, moved: Array32, by_steps: Array32) -> Array32:
             if at > begin:
                 near = answers[:, at - begin : 0 : -1].reshape(n_postures, -1, PARTS)
                 wanted = wanted - change[..., PARTS * begin : here.start] @ near
-            change[..., here], memory = _step(along, at, wanted, by_steps[:, 0], memory)
+            change[..., here], memory = _step(along, at, wanted, by_long_steps[:, 0], memory)
     return change
 
 

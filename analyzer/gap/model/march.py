@@ -45,7 +45,7 @@ def march(
     """
     n, n_steps = len(free), by_steps.shape[1]
     turn, torque = np.empty_like(free), np.empty_like(free)
-    last, memory = np.zeros(n), np.zeros((n, element.n_memory))
+    ahead, memory = np.zeros((n, PARTS)), np.zeros((n, element.n_memory))
     # What torques of the steps before do to a step, the last at the end: (n, PARTS _BLOCK, PARTS).
     near = by_steps[groups, _BLOCK - 1 : 0 : -1].swapaxes(2, 3).reshape(n, -1, PARTS)
     taken = by_steps[groups, 0]
@@ -64,22 +64,25 @@ def march(
             if at > begin:
                 before = torque[:, PARTS * begin : here.start]
                 wanted = wanted - np.einsum("nk,nki->ni", before, near[:, -before.shape[1] :])
-            turn[:, here], torque[:, here], memory = _step(last, wanted, taken, element, memory)
-            last = turn[:, here.stop - 1]
+            turn[:, here], torque[:, here], memory = _step(ahead, wanted, taken, element, memory)
+            # As fast as in the part before.
+            rate = (turn[:, here.stop - 1] - turn[:, here.stop - 2]) / STEPS.lasts_s[1]
+            ahead = turn[:, here.stop - 1, None] + rate[:, None] * np.cumsum(STEPS.lasts_s)
     return turn, torque
 
 
 def _step(
-    last: Array, wanted: Array, taken: Array, element: Element, memory: Array
+    ahead: Array, wanted: Array, taken: Array, element: Element, memory: Array
 ) -> tuple[Array, Array, Array]:
     """Turns and torques (n, PARTS) of both parts of a step, and what is remembered after it.
 
-    Newton's steps from the last turn; where one would go past the corner of a slider and further
-    from the solution it is halved. What moves no more is left where it is.
+    Newton's steps from `ahead`; where one would go past the corner of a slider and further
+    from the solution it is halved. What has found its place is left there.
     """
-    turn = np.stack([last, last], axis=1)
+    turn = ahead
     halfway, torque, off = _off(turn, wanted, taken, element, memory)
-    active = np.arange(len(last))
+    small = _ROUNDING * max(np.abs(turn).max(), np.abs(wanted).max())
+    every = np.arange(len(turn))
     own = _Active(
         turn=turn,
         halfway=halfway,
@@ -90,16 +93,14 @@ def _step(
         memory=memory,
     )
     for _ in range(_MOST_TURNS):
-        small = _ROUNDING * np.abs(turn).max()
-        there, own_torque = own.further(small)
-        moved = np.abs(there.turn - own.turn).max(axis=1)
-        turn[active], halfway[active], torque[active] = there.turn, there.halfway, own_torque
         # False of what is no number: that is told by who asked.
-        goes_on = np.flatnonzero(moved > small)
+        goes_on = np.flatnonzero(np.abs(own.off).max(axis=1) > small)
         if goes_on.size == 0:
             break
-        active = active[goes_on]
-        own = there if goes_on.size == len(moved) else there.rows(goes_on)
+        if goes_on.size < len(own.off):
+            own, every = own.rows(goes_on), every[goes_on]
+        own, own_torque = own.further(small)
+        turn[every], halfway[every], torque[every] = own.turn, own.halfway, own_torque
     return turn, torque, element.remember(turn[:, 1], halfway, STEPS.lasts_s[1])
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["PARTS", "STEPS", "Steps"]
+__all__ = ["LONG", "PARTS", "STEPS", "Steps"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -83,3 +83,5 @@ class Steps:
 
 # A fiftieth of the fastest swing that matters; what is left after 0.6 s counts nothing.
 STEPS = Steps(600, 1e-3)
+# In which changes of a swing are followed: each of their parts ends with a step.
+LONG = Steps(STEPS.n // 3, 3.0 * STEPS.step_s)

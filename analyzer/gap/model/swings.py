@@ -18,12 +18,13 @@ from armodal.analyzer.arm.hysteresis import lost_by_power
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
-from armodal.analyzer.gap.model.steps import PARTS, STEPS
+from armodal.analyzer.gap.model.steps import LONG, PARTS, STEPS
 
 __all__ = [
     "SIGMA_RAD_S",
     "Points",
     "Swings",
+    "after_steps",
     "forces_of",
     "free_turns",
     "in_steps",
@@ -54,6 +55,11 @@ class Swings:
         """(n_steps, PARTS, PARTS) rad/(N m), by a torque in each part of a step (`Steps.of`)."""
         return STEPS.of(self.by_torque[points().steps])
 
+    @property
+    def by_long_steps(self) -> Array:
+        """The same of long steps."""
+        return LONG.of(self.by_torque[points().long_steps])
+
     def stiffer(self, stiffness: float, damping: float, loss: float, power: float) -> Swings:
         """Return the same with so much more in N m/rad and N m s/rad on the joint's spring.
 
@@ -75,17 +81,16 @@ class Points:
     s_rad_s: ComplexArray
     lines: slice  # of what comes before a torque
     steps: slice
+    long_steps: slice
 
 
 @cache
 def points() -> Points:
     """Return those of every posture."""
-    lines = lines_below(_BAND_HZ)
-    return Points(
-        s_rad_s=np.concatenate([lines, STEPS.s_rad_s]),
-        lines=slice(0, len(lines)),
-        steps=slice(len(lines), None),
-    )
+    parts = (lines_below(_BAND_HZ), STEPS.s_rad_s, LONG.s_rad_s)
+    ends = np.cumsum([len(part) for part in parts]).tolist()
+    lines, steps, long_steps = map(slice, (0, *ends), ends)
+    return Points(s_rad_s=np.concatenate(parts), lines=lines, steps=steps, long_steps=long_steps)
 
 
 def lines_below(band_hz: float) -> ComplexArray:
@@ -96,18 +101,20 @@ def lines_below(band_hz: float) -> ComplexArray:
 
 def in_steps(on_lines: ComplexArray) -> Array:
     """(..., PARTS n_steps) in time, of (..., L) on `lines_below`."""
+    every = [after_steps(on_lines, part) for part in range(PARTS)]
+    return np.stack(every, axis=-1).reshape(*on_lines.shape[:-1], -1)
+
+
+def after_steps(on_lines: ComplexArray, part: int = PARTS - 1) -> Array:
+    """(..., n_steps) after that part of each, of (..., L) on `lines_below`."""
     n = on_lines.shape[-1]
     taper = np.ones(n)
     ends = round(_TAPER * n)
     taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
-    real = np.float32 if on_lines.dtype == np.complex64 else np.float64
-    found = np.empty((*on_lines.shape[:-1], STEPS.n, PARTS), dtype=real)
-    for part in range(PARTS):
-        later = np.exp(lines_below(_BAND_HZ)[:n] * STEPS.seconds[part])
-        weight = (taper * later / STEPS.step_s).astype(on_lines.dtype)
-        found[..., part] = np.fft.irfft(on_lines * weight, STEPS.n)
-    found *= np.exp(SIGMA_RAD_S * STEPS.step_s * np.arange(STEPS.n))[:, None].astype(real)
-    return found.reshape(*on_lines.shape[:-1], -1)
+    later = np.exp(lines_below(_BAND_HZ)[:n] * STEPS.seconds[part])
+    weight = (taper * later / STEPS.step_s).astype(on_lines.dtype)
+    window = np.exp(SIGMA_RAD_S * STEPS.step_s * np.arange(STEPS.n))
+    return np.asarray(np.fft.irfft(on_lines * weight, STEPS.n) * window)
 
 
 def pulse(s_rad_s: ComplexArray, peak_n: float, width_s: float) -> ComplexArray:
