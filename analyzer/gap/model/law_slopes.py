@@ -24,8 +24,8 @@ from armodal.analyzer.gap.model.line_arrays import real_times
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.posed import Postures
 from armodal.analyzer.gap.model.space import Space
-from armodal.analyzer.gap.model.steps import LONG, PARTS, STEPS
-from armodal.analyzer.gap.model.swings import after_steps, lines_below, pulse
+from armodal.analyzer.gap.model.steps import LONG, STEPS
+from armodal.analyzer.gap.model.swings import in_steps, lines_below, pulse
 
 __all__ = ["Tangents", "tangents_along", "torque_slopes"]
 
@@ -36,7 +36,8 @@ ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 _BAND_HZ = 200.0
 _BLOCK = 20
 _AT_ONCE = 2**24  # changes of turns, for memory's sake
-# Where parts of long steps end among those of the others.
+_PARTS = LONG.parts
+# Where parts of long steps end among those of the others, next to.
 _ENDS = np.array([np.argmin(np.abs(STEPS.seconds - end)) for end in LONG.seconds])
 
 
@@ -44,7 +45,7 @@ _ENDS = np.array([np.argmin(np.abs(STEPS.seconds - end)) for end in LONG.seconds
 class Tangents:
     """An element along swings: `joint_laws.Tangent` over each part of a long step.
 
-    (..., n_steps, PARTS, ...).
+    (..., n_steps, parts, ...).
     """
 
     by_turn: Array32
@@ -61,7 +62,7 @@ class Tangents:
 def tangents_along(element: Element, turn: Array) -> Tangents:
     """Return an element's tangents along swings, its turn's change alike all over a part.
 
-    Of n rows, and (n, PARTS n) rad in short steps.
+    Of n rows, and (n, parts n) rad in short steps.
     """
     n, n_memory = len(turn), element.n_memory
     memory = np.zeros((n, n_memory))
@@ -81,7 +82,7 @@ def tangents_along(element: Element, turn: Array) -> Tangents:
         found.append((by_turn, by_memory, kept, followed))
         begin = end
     every = [np.stack(own, axis=1).astype(np.float32) for own in zip(*found, strict=True)]
-    return Tangents(*(own.reshape(n, LONG.n, PARTS, *own.shape[2:]) for own in every))
+    return Tangents(*(own.reshape(n, LONG.n, _PARTS, *own.shape[2:]) for own in every))
 
 
 def torque_slopes(
@@ -105,11 +106,11 @@ def torque_slopes(
     rows
         (P, N) by which the joint's spring stretches.
     by_long_steps
-        (P, n_steps, PARTS, PARTS) rad/(N m), its turns by a torque (`Swings.by_long_steps`).
+        (P, n_steps, parts, parts) rad/(N m), its turns by a torque (`Swings.by_long_steps`).
     tangents
         Of (P, m) swings, one a mounting.
     torque
-        (P, m, PARTS n) of the law under each mounting's hit, N m.
+        (P, m, parts n) of the law under each mounting's hit, N m.
 
     Returns
     -------
@@ -129,7 +130,7 @@ def torque_slopes(
     at_once = max(1, _AT_ONCE // torque.size)
     for first in range(0, len(moves), at_once):
         some = moves[first : first + at_once]
-        moved = after_steps(by_force[some] * forces)[..., _ENDS // PARTS].astype(np.float32)
+        moved = in_steps(by_force[some] * forces, LONG).astype(np.float32)
         change = _followed(tangents, moved, in_time)
         for p, own in enumerate(together.lines):
             at = LONG.weights_s[:, None] * np.exp(-np.outer(LONG.seconds, own.s_rad_s))
@@ -144,25 +145,25 @@ def _forces(lines: PostureLines, s: ComplexArray) -> ComplexArray:
 
 
 def _followed(along: Tangents, moved: Array32, by_long_steps: Array32) -> Array32:
-    """Torque's changes under turns' (k, P, m, PARTS n_steps), alike."""
+    """Torque's changes under turns' (k, P, m, parts n_steps), alike."""
     n_postures, n_steps = by_long_steps.shape[:2]
-    # (P, n_steps, PARTS of the torque, PARTS)
+    # (P, n_steps, parts of the torque, parts)
     answers = np.ascontiguousarray(by_long_steps.transpose(0, 1, 3, 2))
     change = np.empty_like(moved)
     memory = np.zeros((*moved.shape[:3], along.kept.shape[-1]), dtype=np.float32)
     for begin in range(0, n_steps, _BLOCK):
         end = min(begin + _BLOCK, n_steps)
-        coming = moved[..., PARTS * begin : PARTS * end]
+        coming = moved[..., _PARTS * begin : _PARTS * end]
         if begin:
             ago = np.arange(begin, end) - np.arange(begin)[:, None]
-            far = answers[:, ago].swapaxes(2, 3).reshape(n_postures, PARTS * begin, -1)
-            coming = coming - change[..., : PARTS * begin] @ far
+            far = answers[:, ago].swapaxes(2, 3).reshape(n_postures, _PARTS * begin, -1)
+            coming = coming - change[..., : _PARTS * begin] @ far
         for at in range(begin, end):
-            here = slice(PARTS * at, PARTS * (at + 1))
-            wanted = coming[..., PARTS * (at - begin) : PARTS * (at - begin + 1)]
+            here = slice(_PARTS * at, _PARTS * (at + 1))
+            wanted = coming[..., _PARTS * (at - begin) : _PARTS * (at - begin + 1)]
             if at > begin:
-                near = answers[:, at - begin : 0 : -1].reshape(n_postures, -1, PARTS)
-                wanted = wanted - change[..., PARTS * begin : here.start] @ near
+                near = answers[:, at - begin : 0 : -1].reshape(n_postures, -1, _PARTS)
+                wanted = wanted - change[..., _PARTS * begin : here.start] @ near
             change[..., here], memory = _step(along, at, wanted, by_long_steps[:, 0], memory)
     return change
 

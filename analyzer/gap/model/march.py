@@ -4,170 +4,182 @@ With x_0 the turn that a linear model foretells and g the turn by a unit impulse
 
     x(t) = x_0(t) - int g(t - u) tau(x(u), ...) du ,
 
-one equation however many coordinates the arm has. The two parts of a step depend on each other and
-are solved together.
+one equation however many coordinates the arm has. The three parts of a step depend on each other
+and are solved together.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.joint_laws import Element, rows_of
-from armodal.analyzer.gap.model.steps import PARTS, STEPS
+from armodal.analyzer.gap.model.joint_laws import Element, Tangent, rows_of
+from armodal.analyzer.gap.model.steps import STEPS
 
 __all__ = ["march"]
 
 Array = npt.NDArray[np.float64]
 
-_BLOCK = 16
+_BLOCK = 12
 _ROUNDING = 1e-9  # of the largest turn: a step of the solution that changes nothing
 _MOST_TURNS, _HALVED = 50, 8  # of Newton's steps, and how often one is halved
+_PARTS = STEPS.parts
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]  # of three
 
 
 def march(
     by_steps: Array, groups: npt.NDArray[np.int64], free: Array, element: Element
 ) -> tuple[Array, Array]:
-    """Turns and torques (n, PARTS n_steps) of n swings with an element.
+    """Turns and torques (n, parts n_steps) of n swings with an element.
 
     Parameters
     ----------
     by_steps
-        (P, n_steps, PARTS, PARTS) of every posture (`Swings.by_steps`).
+        (P, n_steps, parts, parts) of every posture (`Swings.by_steps`).
     groups
         (n,) posture of each swing, ascending.
     free
-        (n, PARTS n_steps) turns without it.
+        (n, parts n_steps) turns without it.
     element
         Of n rows.
     """
     n, n_steps = len(free), by_steps.shape[1]
     turn, torque = np.empty_like(free), np.empty_like(free)
-    ahead, memory = np.zeros((n, PARTS)), np.zeros((n, element.n_memory))
-    # What torques of the steps before do to a step, the last at the end: (n, PARTS _BLOCK, PARTS).
-    near = by_steps[groups, _BLOCK - 1 : 0 : -1].swapaxes(2, 3).reshape(n, -1, PARTS)
-    taken = by_steps[groups, 0]
+    ahead, memory = np.zeros((_PARTS, n)), np.zeros((n, element.n_memory))
+    # What torques of the steps before do to a step, the last at the end: (n, parts _BLOCK, parts).
+    near = by_steps[groups, _BLOCK - 1 : 0 : -1].swapaxes(2, 3).reshape(n, -1, _PARTS)
+    taken = np.ascontiguousarray(np.moveaxis(by_steps[groups, 0], 0, 2))  # (parts, parts, n)
     begins = np.searchsorted(groups, np.arange(len(by_steps) + 1))
     for begin in range(0, n_steps, _BLOCK):
         end = min(begin + _BLOCK, n_steps)
-        coming = free[:, PARTS * begin : PARTS * end].copy()
+        coming = free[:, _PARTS * begin : _PARTS * end].copy()
         if begin:
             ago = np.arange(begin, end) - np.arange(begin)[:, None]
             for own, of_steps in zip(map(slice, begins, begins[1:]), by_steps, strict=True):
-                far = of_steps[ago].transpose(0, 3, 1, 2).reshape(PARTS * begin, -1)
-                coming[own] -= torque[own, : PARTS * begin] @ far
+                far = of_steps[ago].transpose(0, 3, 1, 2).reshape(_PARTS * begin, -1)
+                coming[own] -= torque[own, : _PARTS * begin] @ far
         for at in range(begin, end):
-            here = slice(PARTS * at, PARTS * (at + 1))
-            wanted = coming[:, PARTS * (at - begin) : PARTS * (at - begin + 1)]
+            here = slice(_PARTS * at, _PARTS * (at + 1))
+            wanted = coming[:, _PARTS * (at - begin) : _PARTS * (at - begin + 1)]
             if at > begin:
-                before = torque[:, PARTS * begin : here.start]
+                before = torque[:, _PARTS * begin : here.start]
                 wanted = wanted - np.einsum("nk,nki->ni", before, near[:, -before.shape[1] :])
-            turn[:, here], torque[:, here], memory = _step(ahead, wanted, taken, element, memory)
+            there, its_torque, memory = _step(
+                ahead, np.ascontiguousarray(wanted.T), taken, element, memory
+            )
+            turn[:, here], torque[:, here] = there.T, its_torque.T
             # As fast as in the part before.
-            rate = (turn[:, here.stop - 1] - turn[:, here.stop - 2]) / STEPS.lasts_s[1]
-            ahead = turn[:, here.stop - 1, None] + rate[:, None] * np.cumsum(STEPS.lasts_s)
+            rate = (there[-1] - there[-2]) / STEPS.lasts_s[-1]
+            ahead = there[-1] + np.cumsum(STEPS.lasts_s)[:, None] * rate
     return turn, torque
 
 
 def _step(
     ahead: Array, wanted: Array, taken: Array, element: Element, memory: Array
 ) -> tuple[Array, Array, Array]:
-    """Turns and torques (n, PARTS) of both parts of a step, and what is remembered after it.
+    """Turns and torques (parts, n) of all parts of a step, and what is remembered after it.
 
     Newton's steps from `ahead`; where one would go past the corner of a slider and further
     from the solution it is halved. What has found its place is left there.
     """
     turn = ahead
-    halfway, torque, off = _off(turn, wanted, taken, element, memory)
+    own = _at(turn, wanted, taken, element, memory)
+    torque, after = own.torque, own.memories[-1]
     small = _ROUNDING * max(np.abs(turn).max(), np.abs(wanted).max())
-    every = np.arange(len(turn))
-    own = _Active(
-        turn=turn,
-        halfway=halfway,
-        off=off,
-        wanted=wanted,
-        taken=taken,
-        element=element,
-        memory=memory,
-    )
+    every = np.arange(turn.shape[1])
     for _ in range(_MOST_TURNS):
         # False of what is no number: that is told by who asked.
-        goes_on = np.flatnonzero(np.abs(own.off).max(axis=1) > small)
+        goes_on = np.flatnonzero(np.abs(own.off).max(axis=0) > small)
         if goes_on.size == 0:
             break
-        if goes_on.size < len(own.off):
+        if goes_on.size < len(every):
             own, every = own.rows(goes_on), every[goes_on]
-        own, own_torque = own.further(small)
-        turn[every], halfway[every], torque[every] = own.turn, own.halfway, own_torque
-    return turn, torque, element.remember(turn[:, 1], halfway, STEPS.lasts_s[1])
+        own = own.further(small)
+        turn[:, every], torque[:, every], after[every] = own.turn, own.torque, own.memories[-1]
+    return turn, torque, after
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Active:
     """Swings in a step, where they are on the way to its solution."""
 
-    turn: Array  # (n, PARTS)
-    halfway: Array  # what is remembered
-    off: Array  # (n, PARTS) how far turns are off what their torques leave
-    wanted: Array  # (n, PARTS)
-    taken: Array  # (n, PARTS, PARTS)
+    turn: Array  # (parts, n)
+    wanted: Array  # (parts, n)
+    taken: Array  # (parts, parts, n)
     element: Element
     memory: Array
+    torque: Array
+    memories: Sequence[Array]  # after each part
+    off: Array  # (parts, n) how far turns are off what their torques leave
 
     def rows(self, rows: npt.NDArray[np.int64]) -> _Active:
         """Return some of them."""
         return _Active(
-            turn=self.turn[rows],
-            halfway=self.halfway[rows],
-            off=self.off[rows],
-            wanted=self.wanted[rows],
-            taken=self.taken[rows],
+            turn=self.turn[:, rows],
+            wanted=self.wanted[:, rows],
+            taken=self.taken[..., rows],
             element=rows_of(self.element, rows),
             memory=self.memory[rows],
+            torque=self.torque[:, rows],
+            off=self.off[:, rows],
+            memories=[memory[rows] for memory in self.memories],
         )
 
-    def further(self, small: float) -> tuple[_Active, Array]:
-        """Return them a step of Newton's on, and their torques (n, PARTS).
-
-        What is so small is nothing.
-        """
+    def further(self, small: float) -> _Active:
+        """Return them a step of Newton's on; what is so small is nothing."""
         step = self._step()
-        far = np.sum(self.off**2, axis=1)
+        far = np.sum(self.off**2, axis=0)
         is_off = far > small**2
         part = np.ones(len(far))
         for _ in range(_HALVED):
-            turn = self.turn - part[:, None] * step
-            halfway, torque, off = _off(turn, self.wanted, self.taken, self.element, self.memory)
-            worse = (np.sum(off**2, axis=1) >= far) & is_off
+            there = _at(self.turn - part * step, self.wanted, self.taken, self.element, self.memory)
+            worse = (np.sum(there.off**2, axis=0) >= far) & is_off
             if not worse.any():
                 break
             part[worse] *= 0.5
-        return replace(self, turn=turn, halfway=halfway, off=off), torque
+        return there
 
     def _step(self) -> Array:
-        first_s, second_s = STEPS.lasts_s
-        first = self.element.tangent(self.turn[:, 0], self.memory, first_s)
-        second = self.element.tangent(self.turn[:, 1], self.halfway, second_s)
-        across = np.einsum("ni,ni->n", second.by_memory, first.followed)
-        w = self.taken
-        a = 1.0 + w[:, 0, 0] * first.by_turn + w[:, 0, 1] * across
-        b = w[:, 0, 1] * second.by_turn
-        c = w[:, 1, 0] * first.by_turn + w[:, 1, 1] * across
-        d = 1.0 + w[:, 1, 1] * second.by_turn
-        step = np.empty_like(self.turn)
-        step[:, 0] = d * self.off[:, 0] - b * self.off[:, 1]
-        step[:, 1] = a * self.off[:, 1] - c * self.off[:, 0]
-        return np.asarray(step / (a * d - b * c)[:, None])
+        """By Cramer's rule."""
+        slope = np.zeros_like(self.taken)
+        before: list[Tangent] = []
+        memory = self.memory
+        for part, lasts_s in enumerate(STEPS.lasts_s):
+            own = self.element.tangent(self.turn[part], memory, lasts_s)
+            slope[part, part] = own.by_turn
+            if memory.size:
+                for earlier, other in enumerate(before):
+                    slope[part, earlier] = np.einsum("ni,ni->n", own.by_memory, other.followed)
+                # What was remembered before is in part forgotten.
+                before = [replace(b, followed=b.followed * own.kept) for b in before] + [own]
+            memory = self.memories[part]
+        rows = np.einsum("ijn,jkn->ikn", self.taken, slope)
+        rows[range(_PARTS), range(_PARTS)] += 1.0
+        columns = np.stack([_cross(rows[i], rows[j]) for i, j in zip(_NEXT, _LAST, strict=True)])
+        step = np.einsum("ikn,in->kn", columns, self.off)
+        return np.asarray(step / np.sum(rows[0] * columns[0], axis=0))
 
 
-def _off(
-    turn: Array, wanted: Array, taken: Array, element: Element, memory: Array
-) -> tuple[Array, Array, Array]:
-    """What is remembered halfway, the torques (n, PARTS), and how far turns are off."""
-    halfway = element.remember(turn[:, 0], memory, STEPS.lasts_s[0])
-    torque = np.empty_like(turn)
-    torque[:, 0], _ = element.resist(turn[:, 0], memory)
-    torque[:, 1], _ = element.resist(turn[:, 1], halfway)
-    return halfway, torque, turn - wanted + np.einsum("nij,nj->ni", taken, torque)
+def _at(turn: Array, wanted: Array, taken: Array, element: Element, memory: Array) -> _Active:
+    torque, memories = np.empty_like(turn), [memory]
+    for part, lasts_s in enumerate(STEPS.lasts_s):
+        torque[part], _ = element.resist(turn[part], memories[-1])
+        memories.append(element.remember(turn[part], memories[-1], lasts_s))
+    return _Active(
+        turn=turn,
+        wanted=wanted,
+        taken=taken,
+        element=element,
+        memory=memory,
+        torque=torque,
+        memories=memories[1:],
+        off=turn - wanted + np.einsum("ijn,jn->in", taken, torque),
+    )
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Of (3, n)."""
+    return np.asarray(a[_NEXT] * b[_LAST] - a[_LAST] * b[_NEXT])

@@ -1,7 +1,8 @@
 """Steps in which what happens in time is followed, and an answer's convolution in them.
 
-Steps are those of Radau IIA with two stages, of third order: no torque gets more out of a joint
-than it puts in, and one that sticks stays where it is, however stiff it is while it does.
+Steps are those of Radau IIA, of third order with two stages and of fifth with three: no torque
+gets more out of a joint than it puts in, and one that sticks stays where it is, however stiff it
+is while it does.
 
 References
 ----------
@@ -19,15 +20,23 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["LONG", "PARTS", "STEPS", "Steps"]
+__all__ = ["LONG", "STEPS", "Steps"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
-_A = np.array([[5.0, -1.0], [9.0, 3.0]]) / 12.0
-_C = np.array([1.0, 3.0]) / 3.0
-_B = _A[1]
-PARTS = 2
+_R = np.sqrt(6.0)
+# By the number of stages: how much of each counts at the end of each.
+_STAGES = {
+    2: np.array([[5.0, -1.0], [9.0, 3.0]]) / 12.0,
+    3: np.array(
+        [
+            [(88.0 - 7.0 * _R) / 360.0, (296.0 - 169.0 * _R) / 1800.0, (3.0 * _R - 2.0) / 225.0],
+            [(296.0 + 169.0 * _R) / 1800.0, (88.0 + 7.0 * _R) / 360.0, -(3.0 * _R + 2.0) / 225.0],
+            [(16.0 - _R) / 36.0, (16.0 + _R) / 36.0, 1.0 / 9.0],
+        ]
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -36,21 +45,23 @@ class Steps:
 
     n: int
     step_s: float
+    parts: int  # stages of each
 
     @cached_property
     def seconds(self) -> Array:
-        """(PARTS n,) when each part of a step ends."""
-        return np.asarray((self.step_s * (np.arange(self.n)[:, None] + _C)).ravel())
+        """(parts n,) when each part of a step ends."""
+        ends = _STAGES[self.parts].sum(axis=1)
+        return np.asarray((self.step_s * (np.arange(self.n)[:, None] + ends)).ravel())
 
     @cached_property
     def lasts_s(self) -> Array:
-        """(PARTS,) seconds of each part of a step."""
-        return np.asarray(self.step_s * np.diff(_C, prepend=0.0))
+        """(parts,) seconds of each part of a step."""
+        return np.diff(self.seconds[: self.parts], prepend=0.0)
 
     @cached_property
     def weights_s(self) -> Array:
-        """(PARTS n,) weights of an integral over time."""
-        return np.tile(self.step_s * _B, self.n)
+        """(parts n,) weights of an integral over time."""
+        return np.tile(self.step_s * _STAGES[self.parts][-1], self.n)
 
     @cached_property
     def _circle(self) -> tuple[Any, Any, float]:
@@ -58,10 +69,11 @@ class Steps:
 
         What wraps around it is as small as rounding.
         """
+        A = _STAGES[self.parts]
         radius = float(np.finfo(float).eps ** (0.5 / self.n))
         z = radius * np.exp(-2j * np.pi * np.arange(self.n // 2 + 1) / self.n)
-        before = np.ones((PARTS, 1)) * _B
-        difference = np.linalg.inv(_A + (z / (1.0 - z))[:, None, None] * before)
+        before = np.ones((self.parts, 1)) * A[-1]
+        difference = np.linalg.inv(A + (z / (1.0 - z))[:, None, None] * before)
         values, vectors = np.linalg.eig(difference)
         return np.asarray(values) / self.step_s, np.asarray(vectors), radius
 
@@ -71,7 +83,7 @@ class Steps:
         return np.asarray(self._circle[0].ravel())
 
     def of(self, answer: ComplexArray) -> Array:
-        """(n, PARTS, PARTS) an answer (M,) in steps.
+        """(n, parts, parts) an answer (M,) in steps.
 
         What a torque in each part (last) of a step does, so many steps later, in each part of one.
         """
@@ -81,7 +93,7 @@ class Steps:
         return np.asarray(in_steps / radius ** np.arange(self.n)[:, None, None])
 
 
-# A fiftieth of the fastest swing that matters; what is left after 0.6 s counts nothing.
-STEPS = Steps(600, 1e-3)
-# In which changes of a swing are followed: each of their parts ends with a step.
-LONG = Steps(STEPS.n // 3, 3.0 * STEPS.step_s)
+# What is left after 0.6 s counts nothing.
+STEPS = Steps(400, 1.5e-3, 3)
+# In which changes of a swing are followed: twice as long.
+LONG = Steps(200, 3e-3, 2)

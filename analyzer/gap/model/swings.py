@@ -18,13 +18,12 @@ from armodal.analyzer.arm.hysteresis import lost_by_power
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
-from armodal.analyzer.gap.model.steps import LONG, PARTS, STEPS
+from armodal.analyzer.gap.model.steps import LONG, STEPS, Steps
 
 __all__ = [
     "SIGMA_RAD_S",
     "Points",
     "Swings",
-    "after_steps",
     "forces_of",
     "free_turns",
     "in_steps",
@@ -52,7 +51,7 @@ class Swings:
 
     @property
     def by_steps(self) -> Array:
-        """(n_steps, PARTS, PARTS) rad/(N m), by a torque in each part of a step (`Steps.of`)."""
+        """(n_steps, parts, parts) rad/(N m), by a torque in each part of a step (`Steps.of`)."""
         return STEPS.of(self.by_torque[points().steps])
 
     @property
@@ -99,22 +98,25 @@ def lines_below(band_hz: float) -> ComplexArray:
     return np.asarray(SIGMA_RAD_S + 2j * np.pi * f_hz)
 
 
-def in_steps(on_lines: ComplexArray) -> Array:
-    """(..., PARTS n_steps) in time, of (..., L) on `lines_below`."""
-    every = [after_steps(on_lines, part) for part in range(PARTS)]
+def in_steps(on_lines: ComplexArray, steps: Steps) -> Array:
+    """(..., parts n_steps) in time, of (..., L) on `lines_below`."""
+    every = [_after(on_lines, float(end), steps.n) for end in steps.seconds[: steps.parts]]
     return np.stack(every, axis=-1).reshape(*on_lines.shape[:-1], -1)
 
 
-def after_steps(on_lines: ComplexArray, part: int = PARTS - 1) -> Array:
-    """(..., n_steps) after that part of each, of (..., L) on `lines_below`."""
+def _after(on_lines: ComplexArray, later_s: float, n_steps: int) -> Array:
+    """(..., n_steps) so much later than each begins."""
     n = on_lines.shape[-1]
+    # As often as the lines ask for, of which some.
+    of = -(-2 * n // n_steps)
     taper = np.ones(n)
     ends = round(_TAPER * n)
     taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
-    later = np.exp(lines_below(_BAND_HZ)[:n] * STEPS.seconds[part])
-    weight = (taper * later / STEPS.step_s).astype(on_lines.dtype)
-    window = np.exp(SIGMA_RAD_S * STEPS.step_s * np.arange(STEPS.n))
-    return np.asarray(np.fft.irfft(on_lines * weight, STEPS.n) * window)
+    record_s = STEPS.n * STEPS.step_s
+    often_s = record_s / n_steps / of
+    weight = taper * np.exp(lines_below(_BAND_HZ)[:n] * later_s) / often_s
+    found = np.fft.irfft(on_lines * weight.astype(on_lines.dtype), of * n_steps)[..., ::of]
+    return np.asarray(found * np.exp(SIGMA_RAD_S * record_s * np.arange(n_steps) / n_steps))
 
 
 def pulse(s_rad_s: ComplexArray, peak_n: float, width_s: float) -> ComplexArray:
@@ -150,8 +152,8 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
 
 
 def free_turns(swings: Swings, hit: npt.NDArray[np.int64], forces: ComplexArray) -> Array:
-    """(m, PARTS n_steps) turns in rad under hits with transforms (m, L), each at a place (m,)."""
-    return in_steps(swings.by_force[hit] * forces)
+    """(m, parts n_steps) turns in rad under hits with transforms (m, L), each at a place (m,)."""
+    return in_steps(swings.by_force[hit] * forces, STEPS)
 
 
 def forces_of(peaks_n: Array, width_s: float) -> ComplexArray:

@@ -35,7 +35,7 @@ STIFFEST = 15  # of the starting points of a friction: 300 times its joint, and 
 
 
 def steps_of_a_mass(mass, k, c):
-    """How a mass on a spring turns by a torque in steps, (n_steps, PARTS, PARTS)."""
+    """How a mass on a spring turns by a torque in steps, (n_steps, parts, parts)."""
     s = STEPS.s_rad_s
     return STEPS.of(1.0 / (mass * s**2 + c * s + k))
 
