@@ -140,19 +140,19 @@ def swings_of(
     joints = tuple(ordinary.arm.joints[i].name for i in ordinary.elastic)
     postures = joint_postures(hypothesis, models, lines, values, joints)
     first = {own.name: own for own in reversed(lines)}
+    # A joint swings most soon; at the end of the record what wraps around it is blown up.
+    t = STEPS.seconds[: len(STEPS.seconds) // 2]
     found = []
     for at, joint in enumerate(joints):
         largest, rate = 0.0, 1.0
         for name, posture in postures.items():
             own = first[name]
             forces = forces_of(own.peaks_n * np.exp(-own.level), own.width_s)
-            turns = free_turns(posture.swings[at], own.hit, forces)
+            turns = free_turns(posture.swings[at], own.hit, forces)[:, : len(t)]
             turn = turns[np.argmax(np.abs(turns).max(axis=1))]
             if np.abs(turn).max() > largest:
                 largest = float(np.abs(turn).max())
-                rate = float(
-                    np.linalg.norm(np.gradient(turn, STEPS.seconds)) / np.linalg.norm(turn)
-                )
+                rate = float(np.linalg.norm(np.gradient(turn, t)) / np.linalg.norm(turn))
         found.append((joint, largest, rate))
     return tuple(found)
 

@@ -157,7 +157,9 @@ def test_every_elastic_joint_swings(arm):
     _, plain, _, swings = arm
     joints = plain.ordinary.arm.joints
     assert [own[0] for own in swings] == [joints[i].name for i in plain.ordinary.elastic]
-    assert all(turn > 0.0 and rate > 0.0 for _, turn, rate in swings)
+    assert all(turn > 0.0 for _, turn, _ in swings)
+    # The modes of this arm that joints make are between these; noise is beyond.
+    assert all(2.0 * np.pi * 5.0 < rate < 2.0 * np.pi * 60.0 for _, _, rate in swings)
 
 
 def answers(stage, hypothesis, values):
