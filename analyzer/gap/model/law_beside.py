@@ -30,7 +30,7 @@ def with_all_slopes(
     models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
-    by_long_steps: Mapping[str, Array],
+    by_steps: Mapping[str, Array],
     followed: Sequence[tuple[Array, Array]],
     own_slopes: Mapping[str, Mapping[tuple[object, ...], ComplexArray]],
 ) -> Linearised:
@@ -48,7 +48,7 @@ def with_all_slopes(
         Postures and levels that are solved together, by their numbers.
     models, lines
         Of each posture and level.
-    by_long_steps
+    by_steps
         The joint's turns by a torque in each posture, by its name (`swings.Swings`).
     followed
         Turns and torques (1 or more, m, n_steps) on each of the lines, first those there.
@@ -73,7 +73,7 @@ def with_all_slopes(
         rows = np.stack([joint_row(assembly, law.joint) for assembly in assemblies])
         torques = np.stack([followed[p][1][0] for p in used])
         swings = np.stack([np.arange(ends[p] - counts[p], ends[p]) for p in used])
-        own_steps = np.stack([by_long_steps[lines[p].name] for p in used])
+        own_steps = np.stack([by_steps[lines[p].name] for p in used])
         changes = torque_slopes(
             together, plain, space, values, rows, own_steps, tangents.of(swings), torques
         )

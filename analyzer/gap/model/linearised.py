@@ -189,13 +189,13 @@ def _about(
     about = _beside(plain, law, groups, lines, values, followed, per_unit)
     if not slopes:
         return about
-    by_long_steps = {name: posture.swings[0].by_long_steps for name, posture in postures.items()}
+    by_steps = {name: posture.swings[0].by_steps for name, posture in postures.items()}
     own_slopes = {
         name: slope_of(plain, law.joint, groups, lines, name, ends, (back, on))
         for (name, ends), back, on in zip(own_steps.items(), beside[::2], beside[1::2], strict=True)
     }
     return with_all_slopes(
-        about, plain, law, groups, models, lines, values, by_long_steps, followed, own_slopes
+        about, plain, law, groups, models, lines, values, by_steps, followed, own_slopes
     )
 
 

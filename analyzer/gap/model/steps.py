@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["LONG", "STEPS", "Steps"]
+__all__ = ["STEPS", "Steps"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -95,5 +95,3 @@ class Steps:
 
 # What is left after 0.6 s counts nothing.
 STEPS = Steps(400, 1.5e-3, 3)
-# In which changes of a swing are followed: twice as long.
-LONG = Steps(200, 3e-3, 2)

@@ -18,7 +18,7 @@ from armodal.analyzer.arm.hysteresis import lost_by_power
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
-from armodal.analyzer.gap.model.steps import LONG, STEPS, Steps
+from armodal.analyzer.gap.model.steps import STEPS
 
 __all__ = [
     "SIGMA_RAD_S",
@@ -26,11 +26,11 @@ __all__ = [
     "Swings",
     "forces_of",
     "free_turns",
-    "in_steps",
     "lines_below",
     "points",
     "pulse",
     "turns_of",
+    "waves",
 ]
 
 Array = npt.NDArray[np.float64]
@@ -54,11 +54,6 @@ class Swings:
         """(n_steps, parts, parts) rad/(N m), by a torque in each part of a step (`Steps.of`)."""
         return STEPS.of(self.by_torque[points().steps])
 
-    @property
-    def by_long_steps(self) -> Array:
-        """The same of long steps."""
-        return LONG.of(self.by_torque[points().long_steps])
-
     def stiffer(self, stiffness: float, damping: float, loss: float, power: float) -> Swings:
         """Return the same with so much more in N m/rad and N m s/rad on the joint's spring.
 
@@ -80,16 +75,17 @@ class Points:
     s_rad_s: ComplexArray
     lines: slice  # of what comes before a torque
     steps: slice
-    long_steps: slice
 
 
 @cache
 def points() -> Points:
     """Return those of every posture."""
-    parts = (lines_below(_BAND_HZ), STEPS.s_rad_s, LONG.s_rad_s)
-    ends = np.cumsum([len(part) for part in parts]).tolist()
-    lines, steps, long_steps = map(slice, (0, *ends), ends)
-    return Points(s_rad_s=np.concatenate(parts), lines=lines, steps=steps, long_steps=long_steps)
+    lines = lines_below(_BAND_HZ)
+    return Points(
+        s_rad_s=np.concatenate([lines, STEPS.s_rad_s]),
+        lines=slice(0, len(lines)),
+        steps=slice(len(lines), None),
+    )
 
 
 def lines_below(band_hz: float) -> ComplexArray:
@@ -98,25 +94,14 @@ def lines_below(band_hz: float) -> ComplexArray:
     return np.asarray(SIGMA_RAD_S + 2j * np.pi * f_hz)
 
 
-def in_steps(on_lines: ComplexArray, steps: Steps) -> Array:
-    """(..., parts n_steps) in time, of (..., L) on `lines_below`."""
-    every = [_after(on_lines, float(end), steps.n) for end in steps.seconds[: steps.parts]]
-    return np.stack(every, axis=-1).reshape(*on_lines.shape[:-1], -1)
-
-
-def _after(on_lines: ComplexArray, later_s: float, n_steps: int) -> Array:
-    """(..., n_steps) so much later than each begins."""
-    n = on_lines.shape[-1]
-    # As often as the lines ask for, of which some.
-    of = -(-2 * n // n_steps)
-    taper = np.ones(n)
-    ends = round(_TAPER * n)
+def waves(n_lines: int) -> ComplexArray:
+    """(parts n_steps, L) what each of `lines_below` is in time; the real part counts."""
+    taper = np.ones(n_lines)
+    ends = round(_TAPER * n_lines)
     taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
-    record_s = STEPS.n * STEPS.step_s
-    often_s = record_s / n_steps / of
-    weight = taper * np.exp(lines_below(_BAND_HZ)[:n] * later_s) / often_s
-    found = np.fft.irfft(on_lines * weight.astype(on_lines.dtype), of * n_steps)[..., ::of]
-    return np.asarray(found * np.exp(SIGMA_RAD_S * record_s * np.arange(n_steps) / n_steps))
+    taper[1:] *= 2.0  # of negative frequencies as well
+    waves = np.exp(np.outer(STEPS.seconds, lines_below(_BAND_HZ)[:n_lines]))
+    return np.asarray(waves * taper / (STEPS.n * STEPS.step_s))
 
 
 def pulse(s_rad_s: ComplexArray, peak_n: float, width_s: float) -> ComplexArray:
@@ -153,7 +138,14 @@ def turns_of(system: System, rows: Sequence[Array]) -> list[Swings]:
 
 def free_turns(swings: Swings, hit: npt.NDArray[np.int64], forces: ComplexArray) -> Array:
     """(m, parts n_steps) turns in rad under hits with transforms (m, L), each at a place (m,)."""
-    return in_steps(swings.by_force[hit] * forces, STEPS)
+    on_lines = swings.by_force[hit] * forces
+    in_time = _in_time()
+    return np.asarray(on_lines.real @ in_time.real - on_lines.imag @ in_time.imag)
+
+
+@cache
+def _in_time() -> ComplexArray:
+    return waves(len(lines_below(_BAND_HZ))).T
 
 
 def forces_of(peaks_n: Array, width_s: float) -> ComplexArray:
