@@ -100,8 +100,8 @@ def waves(n_lines: int) -> ComplexArray:
     ends = round(_TAPER * n_lines)
     taper[-ends:] = 0.5 + 0.5 * np.cos(np.pi * (np.arange(ends) + 0.5) / ends)
     taper[1:] *= 2.0  # of negative frequencies as well
-    waves = np.exp(np.outer(STEPS.seconds, lines_below(_BAND_HZ)[:n_lines]))
-    return np.asarray(waves * taper / (STEPS.n * STEPS.step_s))
+    every = np.exp(np.outer(STEPS.seconds, lines_below(_BAND_HZ)[:n_lines]))
+    return np.asarray(every * taper / (STEPS.n * STEPS.step_s))
 
 
 def pulse(s_rad_s: ComplexArray, peak_n: float, width_s: float) -> ComplexArray:
