@@ -54,7 +54,7 @@ def with_all_slopes(
         Turns and torques (1 or more, m, n_steps) on each of the lines, first those there.
     own_slopes
         By parameter and the lines' key, how the response (m, 3, L) with the law changes a unit of
-        it: of parameters for which steps as long as here are too coarse.
+        it: of the joint's own spring and damper, from swings to either side.
     """
     springs = {key: (own.log_k, own.log_c) for key, own in about.table.items()}
     near = with_springs(plain, law.joint, springs)

@@ -1,8 +1,7 @@
 """Steps in which what happens in time is followed, and an answer's convolution in them.
 
-Steps are those of Radau IIA, of third order with two stages and of fifth with three: no torque
-gets more out of a joint than it puts in, and one that sticks stays where it is, however stiff it
-is while it does.
+Steps are those of Radau IIA with three stages, of fifth order: no torque gets more out of a joint
+than it puts in, and one that sticks stays where it is, however stiff it is while it does.
 
 References
 ----------
@@ -26,17 +25,14 @@ Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _R = np.sqrt(6.0)
-# By the number of stages: how much of each counts at the end of each.
-_STAGES = {
-    2: np.array([[5.0, -1.0], [9.0, 3.0]]) / 12.0,
-    3: np.array(
-        [
-            [(88.0 - 7.0 * _R) / 360.0, (296.0 - 169.0 * _R) / 1800.0, (3.0 * _R - 2.0) / 225.0],
-            [(296.0 + 169.0 * _R) / 1800.0, (88.0 + 7.0 * _R) / 360.0, -(3.0 * _R + 2.0) / 225.0],
-            [(16.0 - _R) / 36.0, (16.0 + _R) / 36.0, 1.0 / 9.0],
-        ]
-    ),
-}
+# How much of each stage counts at the end of each.
+_A = np.array(
+    [
+        [(88.0 - 7.0 * _R) / 360.0, (296.0 - 169.0 * _R) / 1800.0, (3.0 * _R - 2.0) / 225.0],
+        [(296.0 + 169.0 * _R) / 1800.0, (88.0 + 7.0 * _R) / 360.0, -(3.0 * _R + 2.0) / 225.0],
+        [(16.0 - _R) / 36.0, (16.0 + _R) / 36.0, 1.0 / 9.0],
+    ]
+)
 
 
 @dataclass(frozen=True)
@@ -45,12 +41,12 @@ class Steps:
 
     n: int
     step_s: float
-    parts: int  # stages of each
+    parts = len(_A)  # of each, its stages
 
     @cached_property
     def seconds(self) -> Array:
         """(parts n,) when each part of a step ends."""
-        ends = _STAGES[self.parts].sum(axis=1)
+        ends = _A.sum(axis=1)
         return np.asarray((self.step_s * (np.arange(self.n)[:, None] + ends)).ravel())
 
     @cached_property
@@ -61,7 +57,7 @@ class Steps:
     @cached_property
     def weights_s(self) -> Array:
         """(parts n,) weights of an integral over time."""
-        return np.tile(self.step_s * _STAGES[self.parts][-1], self.n)
+        return np.tile(self.step_s * _A[-1], self.n)
 
     @cached_property
     def _circle(self) -> tuple[Any, Any, float]:
@@ -69,11 +65,10 @@ class Steps:
 
         What wraps around it is as small as rounding.
         """
-        A = _STAGES[self.parts]
         radius = float(np.finfo(float).eps ** (0.5 / self.n))
         z = radius * np.exp(-2j * np.pi * np.arange(self.n // 2 + 1) / self.n)
-        before = np.ones((self.parts, 1)) * A[-1]
-        difference = np.linalg.inv(A + (z / (1.0 - z))[:, None, None] * before)
+        before = np.ones((self.parts, 1)) * _A[-1]
+        difference = np.linalg.inv(_A + (z / (1.0 - z))[:, None, None] * before)
         values, vectors = np.linalg.eig(difference)
         return np.asarray(values) / self.step_s, np.asarray(vectors), radius
 
@@ -94,4 +89,4 @@ class Steps:
 
 
 # What is left after 0.6 s counts nothing.
-STEPS = Steps(400, 1.5e-3, 3)
+STEPS = Steps(400, 1.5e-3)

@@ -87,7 +87,7 @@ def test_a_joint_followed_in_time_is_where_an_integrator_says(element):
     )
     want = made(element, mass, k, c, force)
     assert np.abs(free - want).max() > 0.2 * np.abs(want).max()  # the element matters
-    # A millisecond a step, weighed as the finest lines do.
+    # Three parts of 1.5 ms, weighed as the finest lines do.
     late = np.exp(-4.0 * np.pi * t)
     assert np.abs((turn - want) * late).max() < 0.01 * np.abs(want).max()
 
