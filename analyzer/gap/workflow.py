@@ -9,6 +9,7 @@ from functools import cache, partial
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.session import check_session
 from armodal.analyzer.gap.add import instances_of_file
+from armodal.analyzer.gap.begin import ordinary_of, with_places
 from armodal.analyzer.gap.decision.added_effect import Step, beside_rivals, with_step
 from armodal.analyzer.gap.decision.calibration import (
     FALSE_NAME,
@@ -35,24 +36,21 @@ from armodal.analyzer.gap.inference.annealing import annealing_stages, of_test, 
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.held_out import held_out_postures
 from armodal.analyzer.gap.inference.misfit import misfit_of_replicas, misfit_per_line
-from armodal.analyzer.gap.model.hit_levels import has_hits_between, has_levels, middle_level
+from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.lines import PostureLines
-from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.posed import PosedModel
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.outcome import GapOutcome, conclude
 from armodal.analyzer.gap.records import Gate
 from armodal.analyzer.gap.search.levels import told_apart
 from armodal.analyzer.gap.search.rivals import Rivals, find_rivals
-from armodal.analyzer.identification.identify import estimate_frfs
+from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.plan_records import Mode, Plan
 from armodal.protocols.session.records import Session
 
 __all__ = ["GapOutcome", "find_gap"]
 
-_NEAR_STEPS = 3
 _MOST_UNFOLLOWED = 2  # effects named while the hits' level tells, none of which follows it
 
 Tell = Callable[[str], None]
@@ -101,7 +99,7 @@ def find_gap(
     gate_rows = _gates(session, frfs, superset, tell) if gates and single_hits else ()
     of_first = annealing_stages(superset, session, frfs)
     stages = with_tests(of_first, superset, more)
-    ordinary = _ordinary((session, *more), superset, stages[-1].lines)
+    ordinary = ordinary_of((session, *more), superset, stages[-1].lines)
     notes = [*replaced, *notes_on(session, more)]
 
     from_file, start = instances_of_file(ordinary)
@@ -112,7 +110,7 @@ def find_gap(
     stages, present = levels(
         stages, Hypothesis(ordinary=ordinary, instances=from_file), start, notes
     )
-    stages, near = _with_places(stages, present, start)
+    stages, near = with_places(stages, present, start)
     ordinary = present.ordinary.beside_drives(near)
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
@@ -227,7 +225,7 @@ def _search(
             # What had been missing hid it: from the start again, without what was said meanwhile.
             notes = notes[-1:] if levelled.ordinary.swings else notes[-2:]
             rounds = 0
-            stages, _ = _with_places(apart, levelled, start)
+            stages, _ = with_places(apart, levelled, start)
             present, start = believed
             present = replace(present, ordinary=levelled.ordinary)
             named, before, fitted = [], None, None
@@ -250,43 +248,6 @@ def _search(
         named=tuple(named),
     )
     return ended, notes
-
-
-def _with_places(
-    stages: Sequence[Stage], present: Hypothesis, start: Mapping[str, float]
-) -> tuple[tuple[Stage, ...], Mapping[str, float]]:
-    """Stages that allow for errors of single mountings, as the hypothesis foretells them.
-
-    And the values by which it does on the last of them.
-    """
-    found: list[Stage] = []
-    values = dict(start)
-    for stage in stages:
-        near = fit_hypothesis(
-            stage, present, start=values, max_iterations=_NEAR_STEPS, closing=False
-        )
-        values = near.values
-        found.append(stage.with_places(present, values))
-    return tuple(found), values
-
-
-def _ordinary(
-    sessions: Sequence[Session], superset: Superset, lines: Sequence[PostureLines]
-) -> Ordinary:
-    levels_hit = all(bool(session.hits) and has_levels(session) for session in sessions)
-    return Ordinary(
-        superset=superset,
-        postures=tuple(own.name for own in lines),
-        hit_points=_hit_alone(superset, lines),
-        levels_hit=levels_hit,
-        hits_between=levels_hit and any(has_hits_between(session) for session in sessions),
-    )
-
-
-def _hit_alone(superset: Superset, lines: Sequence[PostureLines]) -> tuple[str, ...]:
-    """Points that are hit while the sensor goes round."""
-    hit = [int(own.hit_point[0]) for own in lines if len(own.hit_point) == 1]
-    return tuple(superset.arm.points[point].id for point in dict.fromkeys(hit))
 
 
 def _plan_to_go_on(session: Session, notes: list[str]) -> Plan | None:

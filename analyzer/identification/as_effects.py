@@ -25,7 +25,8 @@ def identified_arm(
 ) -> Arm:
     """Return a session's arm with what was identified; its text is still the old one.
 
-    Joints have the fitted stiffness and damping. Effects that were held stay; a structural axis
+    Joints have the stiffness and damping that a model of joints and axes alone needs: nothing else
+    gives way in it. Effects that were held stay; a structural axis
     takes the place of the one that the arm had in that link.
 
     Parameters
@@ -46,8 +47,8 @@ def identified_arm(
         else replace(
             joint,
             stiffness=Estimate(
-                value=row.k_n_m_per_rad,
-                std=float(np.hypot(row.k_std, row.k_std_model)),
+                value=row.k_alone_n_m_per_rad,
+                std=float(np.hypot(row.k_std, row.k_alone_std_model)),
                 source=source,
             ),
             damping=Estimate(value=row.c_n_m_s_per_rad, std=row.c_std, source=source),
@@ -71,8 +72,8 @@ def _axes_as_effects(
 
 
 def _as_effect(axis: AxisResult, evidence: EffectEvidence) -> AddedEffect:
-    k, c = axis.k_n_m_per_rad, axis.c_n_m_s_per_rad
-    k_std = float(np.hypot(axis.k_std, axis.k_std_model))
+    k, c = axis.k_alone_n_m_per_rad, axis.c_n_m_s_per_rad
+    k_std = float(np.hypot(axis.k_std, axis.k_alone_std_model))
     loss = c / k
     loss_std = loss * float(np.hypot(axis.c_std / c, axis.k_std / k)) if c > 0.0 else 0.0
     return AddedEffect(

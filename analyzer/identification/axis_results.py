@@ -63,6 +63,8 @@ def axis_results(
                 k_std=float(axis.stiffness_n_m_per_rad * std[at + 4]),
                 k_dof=float(dof[at + 4]),
                 k_std_model=float(axis.stiffness_n_m_per_rad * model_std[at + 4]),
+                k_alone_n_m_per_rad=axis.stiffness_n_m_per_rad,
+                k_alone_std_model=float(axis.stiffness_n_m_per_rad * model_std[at + 4]),
                 c_n_m_s_per_rad=axis.damping_n_m_s_per_rad,
                 c_std=float(axis.damping_n_m_s_per_rad * std[at + 5]),
                 c_dof=float(dof[at + 5]),

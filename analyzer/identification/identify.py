@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.structure import Structure, believed_structure
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.corrected.held import HeldArm, held_arm
+from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.identification.axis_results import axis_results
-from armodal.analyzer.identification.axis_search import best_axis_fit, start_state, why_no_axis
+from armodal.analyzer.identification.beside_rows import (
+    axes_beside,
+    explained_by,
+    joints_beside,
+    notes_beside,
+)
+from armodal.analyzer.identification.chosen_model import choose_model, coarse_data
 from armodal.analyzer.identification.estimate import estimate_frfs
-from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
-from armodal.analyzer.identification.frf_model import PostureData, posture_data
 from armodal.analyzer.identification.mode_fit import (
     MeasuredModes,
-    fit_to_frequencies,
 )
 from armodal.analyzer.identification.model_error import model_error_std, model_moves
 from armodal.analyzer.identification.prediction import predict_modes, roving_mass
@@ -32,7 +33,7 @@ from armodal.analyzer.identification.result_rows import (
     mode_results,
     validation_results,
 )
-from armodal.analyzer.identification.structural import STRUCTURAL_SHARE, joint_share
+from armodal.analyzer.identification.structural import joint_share
 from armodal.analyzer.modal import (
     ModalModel,
     fit_modes,
@@ -50,7 +51,6 @@ __all__ = ["estimate_frfs", "identify"]
 Array = npt.NDArray[np.float64]
 
 BAND_ABOVE = 1.5  # the model is fitted up to this multiple of the highest fitted mode
-SEARCH_STRIDE = 4  # lines skipped while axes are searched
 
 
 def identify(
@@ -126,10 +126,10 @@ def identify(
     mass_kg = session.header.plan.sensor.mass_kg
     top_hz = BAND_ABOVE * max(mode.f_hz for model in models for mode in model.modes)
     banded = [lines_within(frf, (float(frf.freq_hz[0]), top_hz)) for frf in fitted]
-    fit, rivals, left_out = _fit(superset, ready, banded, measured, shares, mass_kg, say)
+    chosen = choose_model(session, superset, ready, banded, measured, shares, say)
+    fit, beside = chosen.fit, chosen.beside
     say("uncertainty")
-    coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
-    moves = model_moves(superset, coarse, fit)
+    moves = model_moves(superset, coarse_data(superset, banded, mass_kg), fit)
     model_std = model_error_std(moves)
     say("prediction")
     predictions = [
@@ -148,15 +148,21 @@ def identify(
     # Where the joints alone explain the motion, a low share is the sensor's mass or noise.
     beyond_joints = bool(fit.state.structure.axes or fit.relative_residual.max() >= UNEXPLAINED)
     return Identification(
-        joints=joint_results(superset, fit, model_std, fitted, measured, fit_predictions),
-        axes=axis_results(superset, fit, model_std, fitted, measured, shares, fit_predictions),
+        joints=joints_beside(
+            joint_results(superset, fit, model_std, fitted, measured, fit_predictions), beside
+        ),
+        axes=axes_beside(
+            axis_results(superset, fit, model_std, fitted, measured, shares, fit_predictions),
+            beside,
+        ),
+        explained_by=explained_by(fit, beside),
         modes=mode_results(fitted, measured, shares, fit_predictions, beyond_joints),
         validation=tuple(
             result
             for frf, m in zip(held_out, checked, strict=True)
             for result in validation_results(frf, m, by_posture[frf.posture])
         ),
-        rivals=rivals,
+        rivals=chosen.rivals,
         fit=fit,
         model_moves=moves,
         modal_models=models + held_out_models,
@@ -164,14 +170,14 @@ def identify(
         notes=(
             *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
             *ready.notes,
-            *left_out,
+            *chosen.notes,
             *(note for _, said in proposed.values() for note in said),
             *(
                 note
                 for frf in frfs
                 for note in record_notes(session, frf.posture, band_hz=band_hz, board_limits=False)
             ),
-            *fit_notes(fit, fitted, shares),
+            *fit_notes(fit, fitted, shares, () if beside is None else notes_beside(beside)),
         ),
     )
 
@@ -185,58 +191,6 @@ def _modes(
     if picked is None:
         return automatic
     return fit_modes_at(frf, np.array(picked), automatic.stabilisation)
-
-
-def _fit(
-    superset: Superset,
-    ready: HeldArm,
-    banded: list[FrequencyResponse],
-    measured: list[MeasuredModes],
-    shares: list[list[float]],
-    mass_kg: float,
-    say: Callable[[str], None],
-) -> tuple[FrfFit, tuple[tuple[str, float], ...], tuple[str, ...]]:
-    believed = replace(believed_structure(superset.arm), axes=ready.axes, held=ready.held)
-    if not believed.joints:
-        raise EstimateError(
-            f"arm '{superset.arm.name}' has no elastic joint: give at least one a stiffness in "
-            "the arm file"
-        )
-    baseline = fit_to_frequencies(superset, believed, tuple(measured))
-    full = _data(superset, banded, mass_kg, 1)
-    coarse = _data(superset, banded, mass_kg, SEARCH_STRIDE)
-    if believed.axes:  # those the arm file has are fitted, no further one is looked for
-        say("model fit, all lines")
-        return fit_frfs(superset, full, start_state(baseline, len(full))), (), ()
-    suspected = any(share < STRUCTURAL_SHARE for posture in shares for share in posture)
-    if not suspected or _explained_by_joints(superset, baseline, coarse):
-        say("model fit, all lines")
-        return fit_frfs(superset, full, start_state(baseline, len(full))), (), ()
-    _, at, mode = min(
-        (share, at, mode) for at, posture in enumerate(shares) for mode, share in enumerate(posture)
-    )
-    rivals: tuple[tuple[str, float], ...] = ()
-    try:
-        best, rivals = best_axis_fit(superset, baseline, coarse, measured, (at, mode), say)
-        say("model fit, all lines")
-        with_axis = fit_frfs(superset, full, best.state)
-        why = why_no_axis(superset, with_axis.state.structure, full)
-        if why is None:
-            return with_axis, rivals, ()
-    except EstimateError as problem:
-        # What the joints leave need not be an axis.
-        why = f"joints alone leave much, but no axis in a link explains it: {problem}"
-    return fit_frfs(superset, full, start_state(baseline, len(full))), rivals, (why,)
-
-
-def _explained_by_joints(
-    superset: Superset, baseline: Structure, data: tuple[PostureData, ...]
-) -> bool:
-    try:
-        fit = fit_frfs(superset, data, start_state(baseline, len(data)))
-    except EstimateError:
-        return False
-    return bool(fit.relative_residual.max() < UNEXPLAINED)
 
 
 def _measured(
@@ -254,9 +208,3 @@ def _angles(frf: FrequencyResponse) -> Array:
             f"posture '{frf.posture}' has no measured joint angles: no model can be set beside it"
         )
     return frf.joints_rad
-
-
-def _data(
-    superset: Superset, frfs: list[FrequencyResponse], mass_kg: float, stride: int
-) -> tuple[PostureData, ...]:
-    return tuple(posture_data(superset, frf, sensor_mass_kg=mass_kg, stride=stride) for frf in frfs)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ from armodal.protocols.frf_records import FrequencyResponse
 
 __all__ = [
     "AxisResult",
+    "Explained",
     "Identification",
     "JointResult",
     "LineReading",
@@ -34,7 +36,9 @@ class JointResult:
     k_n_m_per_rad: float
     k_std: float  # from measurement scatter, of a Student t with k_dof degrees of freedom
     k_dof: float
-    k_std_model: float  # from the tolerance of the inertias, to which k is proportional
+    k_std_model: float  # by what the model leaves open: tolerances, and what gives way beside
+    k_alone_n_m_per_rad: float  # that a model of joints alone needs, whose freedoms are no others
+    k_alone_std_model: float  # by the tolerance of the inertias, to which it is proportional
     c_n_m_s_per_rad: float
     c_std: float
     c_dof: float
@@ -94,6 +98,8 @@ class AxisResult:
     k_std: float
     k_dof: float
     k_std_model: float
+    k_alone_n_m_per_rad: float  # as of a joint
+    k_alone_std_model: float
     c_n_m_s_per_rad: float
     c_std: float
     c_dof: float
@@ -136,6 +142,14 @@ class ValidationResult:
     mac: float | None
 
 
+class Explained(StrEnum):
+    """What explains the measured motion."""
+
+    JOINTS = "joints"  # and axes, alone
+    ORDINARY = "joints beside bearings, links and base"  # that give way as in any sound arm
+    NOTHING = "nothing that identification knows"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Identification:
     """Everything the identification found.
@@ -148,6 +162,8 @@ class Identification:
         Structural compliance axes inside links, in the link's frame.
     modes : tuple of ModeResult
         Measured modes and what moves in each.
+    explained_by : Explained
+        What explains the motion, and what their k is beside of.
     validation : tuple of ValidationResult
         Modes predicted for postures that were not fitted, beside those measured.
     rivals : tuple of (str, float)
@@ -167,6 +183,7 @@ class Identification:
     joints: tuple[JointResult, ...]
     axes: tuple[AxisResult, ...]
     modes: tuple[ModeResult, ...]
+    explained_by: Explained
     validation: tuple[ValidationResult, ...]
     rivals: tuple[tuple[str, float], ...]
     fit: FrfFit

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -62,6 +64,8 @@ def joint_results(
                 k_std=float(k * std[i]),
                 k_dof=float(dof[i]),
                 k_std_model=float(k * model_std[i]),
+                k_alone_n_m_per_rad=float(k),
+                k_alone_std_model=float(k * model_std[i]),
                 c_n_m_s_per_rad=float(c),
                 c_std=float(c * std[n + i]),
                 c_dof=float(dof[n + i]),
@@ -159,9 +163,15 @@ def validation_results(
 
 
 def fit_notes(
-    fit: FrfFit, fitted: tuple[FrequencyResponse, ...], shares: list[list[float]]
+    fit: FrfFit,
+    fitted: tuple[FrequencyResponse, ...],
+    shares: list[list[float]],
+    beside: Sequence[str],
 ) -> tuple[str, ...]:
-    """What has to be said of a fit before its numbers are used."""
+    """What has to be said of a fit before its numbers are used.
+
+    `beside` is what there is to say of a fit beside what is ordinary, if there is one.
+    """
     flagged = sum(share < STRUCTURAL_SHARE for posture in shares for share in posture)
     modes = f"{flagged} measured mode{'' if flagged == 1 else 's'}"
     if fit.state.structure.axes:
@@ -170,11 +180,13 @@ def fit_notes(
         first = (
             "joint rotations make the shape of every measured mode; no structural axis was sought"
         )
-    else:
+    elif fit.relative_residual.max() < UNEXPLAINED:
         first = (
             f"joint rotations explain little of {modes}, yet the joints alone explain the "
             "FRFs: the roving sensor's mass, or noise; no structural axis was sought"
         )
+    else:
+        first = f"joint rotations explain little of {modes}"
     notes = [
         first,
         "part of the FRFs that neither model nor noise explains, rms: "
@@ -188,7 +200,9 @@ def fit_notes(
         for frf, value in zip(fitted, fit.relative_residual, strict=True)
         if value > UNEXPLAINED
     ]
-    if unexplained:
+    if unexplained and beside:
+        notes += beside
+    elif unexplained:
         notes.append(
             f"the model leaves more than {UNEXPLAINED:.0%} of the motion unexplained "
             f"({', '.join(unexplained)}): it lacks an effect, or masses and places are off, and "

@@ -103,6 +103,6 @@ def test_a_note_says_that_one_mounting_shows_no_scatter(superset):
     told = []
     for data in (one, both):
         fit = fit_frfs(superset, (data,), state_of(truth, 1))
-        notes = fit_notes(fit, (SimpleNamespace(posture="p"),), [[1.0]])
+        notes = fit_notes(fit, (SimpleNamespace(posture="p"),), [[1.0]], ())
         told.append(any("on one mounting alone" in note for note in notes))
     assert told == [True, False]

@@ -1,0 +1,156 @@
+"""Joints' stiffness where joints are not all that gives way.
+
+Bearings, links and the base of a sound arm give way a little too. A fit of joints alone makes
+joints softer by that, by some per cent, and an axis in a link stiffer than any may take its place.
+So where joints alone leave much, the model that a gap analysis begins with is fitted beside them:
+masses, places, gains, bearings, links and base free within what is ordinary, and an axis counts
+only if it explains what these do not (docs/theory-identification.md, section 4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from armodal.analyzer.arm.structure import Axis
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.add import instances_of_file
+from armodal.analyzer.gap.begin import ordinary_of, with_places
+from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration, calibrate
+from armodal.analyzer.gap.decision.data_requirements import check_data_requirements
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.inference.annealing import annealing_stages
+from armodal.analyzer.gap.inference.dispersion import dispersion
+from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.intervals import intervals
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
+from armodal.analyzer.gap.search.rivals import annealed
+from armodal.protocols.frf_records import FrequencyResponse
+from armodal.protocols.session.records import Session
+
+__all__ = ["BesideOrdinary", "fit_beside_ordinary"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BesideOrdinary:
+    """Joints, and axes in links, fitted beside all that gives way in a sound arm.
+
+    Attributes
+    ----------
+    stages
+        Lines of the fitted postures, from the widest to sharp.
+    start
+        Where the effects of the arm file begin.
+    fit
+        On the sharp lines.
+    has_axis
+        Whether an axis was added.
+    """
+
+    stages: tuple[Stage, ...]
+    start: Mapping[str, float]
+    fit: Fit
+    has_axis: bool = False
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """Return what chance may gain, from replicas of the session."""
+        return calibrate(self.stages[-1], self.fit, self.fit, FALSE_NAME)
+
+    def axis_limit_nats(self, richer: BesideOrdinary) -> float:
+        """Return the evidence that an axis in a link needs, by replicas of the fit with one."""
+        limits = calibrate(self.stages[-1], self.fit, richer.fit, FALSE_NAME)
+        return limits.limit(link_axis.WORDS.name)
+
+    @property
+    def lacks_an_effect(self) -> bool:
+        """Return whether more is left than a right model may be off."""
+        return self.calibration.is_model_wrong
+
+    def may_have_axis(self) -> bool:
+        """Return whether a look at every line of every link promises what an axis needs.
+
+        Where an effect is missing it hides itself: replicas of what is left hold it.
+        """
+        if self.lacks_an_effect:
+            return True
+        lines = lines_of_interfaces(self.stages[-1], self.fit)
+        return bool(lines) and lines[0].gain > self.calibration.limit(link_axis.WORDS.name)
+
+    def with_axis(self, axis: Axis) -> BesideOrdinary:
+        """Return the fit with an axis too, begun where joints alone have it."""
+        present = self.fit.hypothesis
+        instance = link_axis.at_axis(present.ordinary, axis.link, axis.direction, axis.point_m)
+        k = axis.stiffness_n_m_per_rad
+        begin = {
+            p.name: axis.damping_n_m_s_per_rad / k for p in instance.parameters if p.unit == "s"
+        }
+        begin |= {**self.start, instance.size: 1.0 / k}
+        richer = replace(present, instances=(*present.instances, instance))
+        fit = annealed(self.stages, richer, begin)[-1]
+        return BesideOrdinary(stages=self.stages, start=begin, fit=fit, has_axis=True)
+
+    def settled(self) -> BesideOrdinary:
+        """Return it with what mountings have of their own as this fit foretells it."""
+        present = self.fit.hypothesis
+        stages = tuple(stage.with_places(present, self.fit.values) for stage in self.stages)
+        fit = annealed(stages[-1:], present, self.fit.values)[-1]
+        return replace(self, stages=stages, fit=fit)
+
+    def joint_stiffness(self) -> dict[str, tuple[float, float]]:
+        """Return k and its standard deviation, N m/rad, of every elastic joint."""
+        ordinary = self.fit.hypothesis.ordinary
+        names = [ordinary.arm.joints[i].name for i in ordinary.elastic]
+        found = intervals(self.fit, [f"ln k {name}" for name in names], self._inflation)
+        rows = [(name, found[f"ln k {name}"]) for name in names]
+        return {
+            name: (float(np.exp(row.value)), float(np.exp(row.value) * row.std))
+            for name, row in rows
+        }
+
+    def axis_stiffness(self) -> tuple[float, float] | None:
+        """Return k and its standard deviation, N m/rad, of the axis that was added, if any."""
+        if not self.has_axis:
+            return None
+        size = self.fit.last.size
+        row = intervals(self.fit, [size], self._inflation)[size]
+        return 1.0 / row.value, row.std / row.value**2
+
+    @cached_property
+    def _inflation(self) -> float:
+        return max(self.calibration.inflation, dispersion(self.stages[-1], self.fit))
+
+
+def fit_beside_ordinary(session: Session, frfs: tuple[FrequencyResponse, ...]) -> BesideOrdinary:
+    """Fit the model that a gap analysis begins with to the postures that are identified.
+
+    Parameters
+    ----------
+    frfs
+        Of those postures; they give the band.
+
+    Raises
+    ------
+    EstimateError
+        If the session cannot carry it: fewer than two postures with known angles, too few points.
+    """
+    names = {frf.posture for frf in frfs}
+    fitted = replace(
+        session,
+        hits=tuple(hit for hit in session.hits if hit.posture in names),
+        frfs=tuple(frf for frf in session.frfs if frf.posture in names),
+    )
+    check_data_requirements(fitted)
+    superset = Superset(session.header.arm)
+    stages = annealing_stages(superset, fitted, frfs if fitted.hits else fitted.frfs)
+    ordinary = ordinary_of((fitted,), superset, stages[-1].lines)
+    instances, start = instances_of_file(ordinary)
+    stages, near = with_places(stages, Hypothesis(ordinary=ordinary, instances=instances), start)
+    ordinary = ordinary.beside_drives(near)
+    instances, start = instances_of_file(ordinary)
+    present = Hypothesis(ordinary=ordinary, instances=instances)
+    return BesideOrdinary(stages=stages, start=start, fit=annealed(stages, present, start)[-1])

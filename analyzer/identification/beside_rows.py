@@ -1,0 +1,78 @@
+"""Rows and notes of an identification where more than joints gives way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from armodal.analyzer.gap.outcome import notes_on_its_end
+from armodal.analyzer.identification.beside_ordinary import BesideOrdinary
+from armodal.analyzer.identification.frf_fit import FrfFit
+from armodal.analyzer.identification.records import AxisResult, Explained, JointResult
+from armodal.analyzer.identification.result_rows import UNEXPLAINED
+
+__all__ = ["axes_beside", "explained_by", "joints_beside", "notes_beside"]
+
+
+def joints_beside(
+    rows: tuple[JointResult, ...], beside: BesideOrdinary | None
+) -> tuple[JointResult, ...]:
+    """Return the joints with k as it is beside what else gives way; as they are without that.
+
+    Their scatter stays as large a part of k, damping is that of joints alone.
+    """
+    if beside is None:
+        return rows
+    found = beside.joint_stiffness()
+    return tuple(
+        replace(
+            row,
+            k_n_m_per_rad=found[row.joint][0],
+            k_std=row.k_std * found[row.joint][0] / row.k_alone_n_m_per_rad,
+            k_std_model=found[row.joint][1],
+        )
+        for row in rows
+    )
+
+
+def axes_beside(
+    rows: tuple[AxisResult, ...], beside: BesideOrdinary | None
+) -> tuple[AxisResult, ...]:
+    """Return the axis with k as it is beside what else gives way, where one was added to that."""
+    added = None if beside is None else beside.axis_stiffness()
+    if added is None:
+        return rows
+    k, std = added
+    return tuple(
+        replace(
+            row,
+            k_n_m_per_rad=k,
+            k_std=row.k_std * k / row.k_alone_n_m_per_rad,
+            k_std_model=std,
+        )
+        for row in rows
+    )
+
+
+def notes_beside(beside: BesideOrdinary) -> tuple[str, ...]:
+    """What has to be said of the fit beside what is ordinary."""
+    first = (
+        "joints alone do not explain the motion, since bearings, links and base give way a little "
+        "in any sound arm: k is that beside them, as in `armodal gap`; `k alone` is what a model "
+        "of joints alone needs for the measured modes, and what predictions and exports have"
+    )
+    if not beside.lacks_an_effect:
+        return (first, *notes_on_its_end(beside.fit))
+    lacks = (
+        "it lacks an effect beside these too, and its stiffnesses may be off by more than their "
+        "deviations; `armodal gap` tells which"
+    )
+    return first, lacks
+
+
+def explained_by(fit: FrfFit, beside: BesideOrdinary | None) -> Explained:
+    """Return what explains the motion: joints alone, what is ordinary beside them, or neither."""
+    if fit.relative_residual.max() < UNEXPLAINED:
+        return Explained.JOINTS
+    if beside is None or beside.lacks_an_effect:
+        return Explained.NOTHING
+    return Explained.ORDINARY
