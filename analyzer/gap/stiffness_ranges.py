@@ -13,7 +13,7 @@ from armodal.analyzer.gap.records import StiffnessRange
 from armodal.analyzer.gap.search.hidden_size import HiddenSize
 from armodal.analyzer.gap.search.scan import Candidate
 
-__all__ = ["extreme_sizes", "hidden_sizes", "largest_size", "stiffness_ranges"]
+__all__ = ["extreme_sizes", "hidden_sizes", "largest_size", "left_open", "stiffness_ranges"]
 
 _WIDEST = 0.7  # of ln k
 _FEW_STEPS = 3
@@ -91,7 +91,7 @@ def stiffness_ranges(
             end = found[0].value + side * float(np.hypot(most, half))
             low, high = min(low, end), max(high, end)
         std = found[0].std if settled else max(found[0].std, (high - low) / (2.0 * TWO_SIDED_95))
-        std = float(np.hypot(std, _left_open(hiding, best, name, phi)))
+        std = float(np.hypot(std, left_open(hiding, best, name, phi)))
         rows.append(
             StiffnessRange(
                 joint=joint,
@@ -132,8 +132,8 @@ def _most(sizes: Sequence[HiddenSize], name: str, side: float, half: float, k: f
     return least
 
 
-def _left_open(hiding: Sequence[Candidate], best: Fit, name: str, phi: float) -> float:
-    """Root mean square by which a parameter is off, if something unseen is there after all.
+def left_open(hiding: Sequence[Candidate], best: Fit, name: str, phi: float) -> float:
+    """Return the root mean square by which a parameter is off, if something unseen is there.
 
     A hammer far beyond its tolerance is hardly seen: all masses follow it within theirs, and every
     stiffness with them. That it is there has the probability p / (1 + p), p what the looks promise

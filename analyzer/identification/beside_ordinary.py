@@ -24,15 +24,22 @@ from armodal.analyzer.gap.decision.data_requirements import check_data_requireme
 from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.inference.annealing import annealing_stages
 from armodal.analyzer.gap.inference.dispersion import dispersion
-from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.inference.intervals import intervals
+from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.search.candidates import other_candidates
 from armodal.analyzer.gap.search.interfaces import lines_of_interfaces
 from armodal.analyzer.gap.search.rivals import annealed
+from armodal.analyzer.gap.search.scan import Candidate
+from armodal.analyzer.gap.stiffness_ranges import left_open
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 
 __all__ = ["BesideOrdinary", "fit_beside_ordinary"]
+
+_COMPLIANCES = ("rad/(N m)", "m/N")
+_RIGID = 1e-6  # of a compliance's prior: moves nothing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +78,16 @@ class BesideOrdinary:
         """Return whether more is left than a right model may be off."""
         return self.calibration.is_model_wrong
 
+    @property
+    def is_needed(self) -> bool:
+        """Return whether the evidence is for what gives way beside joints and axes."""
+        stiff = replace(
+            self.fit.hypothesis,
+            instances=(*self.fit.hypothesis.instances, _stiff(self.fit)),
+        )
+        alone = fit_hypothesis(self.stages[-1], stiff, start=self.fit.values)
+        return self.fit.evidence < alone.evidence
+
     def may_have_axis(self) -> bool:
         """Return whether a look at every line of every link promises what an axis needs.
 
@@ -105,23 +122,31 @@ class BesideOrdinary:
         """Return k and its standard deviation, N m/rad, of every elastic joint."""
         ordinary = self.fit.hypothesis.ordinary
         names = [ordinary.arm.joints[i].name for i in ordinary.elastic]
-        found = intervals(self.fit, [f"ln k {name}" for name in names], self._inflation)
-        rows = [(name, found[f"ln k {name}"]) for name in names]
-        return {
-            name: (float(np.exp(row.value)), float(np.exp(row.value) * row.std))
-            for name, row in rows
-        }
+        found = intervals(self.fit, [f"ln k {name}" for name in names], self._phi)
+        result = {}
+        for name in names:
+            row = found[f"ln k {name}"]
+            std = np.hypot(row.std, left_open(self._hiding, self.fit, f"ln k {name}", self._phi))
+            k = np.exp(row.value)
+            result[name] = float(k), float(k * std)
+        return result
 
     def axis_stiffness(self) -> tuple[float, float] | None:
         """Return k and its standard deviation, N m/rad, of the axis that was added, if any."""
         if not self.has_axis:
             return None
         size = self.fit.last.size
-        row = intervals(self.fit, [size], self._inflation)[size]
+        row = intervals(self.fit, [size], self._phi)[size]
         return 1.0 / row.value, row.std / row.value**2
 
     @cached_property
-    def _inflation(self) -> float:
+    def _hiding(self) -> list[Candidate]:
+        """What nobody would see, and what a look makes of it."""
+        looked = other_candidates(self.stages[-1], self.fit)
+        return [c for c in looked if c.instance.size and np.isfinite(c.size_std)]
+
+    @cached_property
+    def _phi(self) -> float:
         return max(self.calibration.inflation, dispersion(self.stages[-1], self.fit))
 
 
@@ -154,3 +179,22 @@ def fit_beside_ordinary(session: Session, frfs: tuple[FrequencyResponse, ...]) -
     instances, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=instances)
     return BesideOrdinary(stages=stages, start=start, fit=annealed(stages, present, start)[-1])
+
+
+def _stiff(fit: Fit) -> Instance:
+    """Nothing gives way beside joints and axes."""
+    rigid = {
+        p.name: replace(p, mean=0.0, std=_RIGID * p.std, high=_RIGID * p.std)
+        for p in fit.hypothesis.ordinary.parameters()
+        if p.unit in _COMPLIANCES
+    }
+    words = EffectWords(
+        name="stiff",
+        title="Nothing gives way beside the joints",
+        changes="locks bearings, links and base",
+        signature="",
+        confused_with=(),
+        told_by="",
+        remedy="",
+    )
+    return Instance(effect=words, place="", relaxes=rigid)

@@ -6,11 +6,9 @@ from dataclasses import replace
 
 from armodal.analyzer.gap.outcome import notes_on_its_end
 from armodal.analyzer.identification.beside_ordinary import BesideOrdinary
-from armodal.analyzer.identification.frf_fit import FrfFit
 from armodal.analyzer.identification.records import AxisResult, Explained, JointResult
-from armodal.analyzer.identification.result_rows import UNEXPLAINED
 
-__all__ = ["axes_beside", "explained_by", "joints_beside", "notes_beside"]
+__all__ = ["axes_beside", "joints_beside", "notes_beside"]
 
 
 def joints_beside(
@@ -53,26 +51,23 @@ def axes_beside(
     )
 
 
-def notes_beside(beside: BesideOrdinary) -> tuple[str, ...]:
-    """What has to be said of the fit beside what is ordinary."""
+def notes_beside(explained: Explained, beside: BesideOrdinary | None) -> tuple[str, ...]:
+    """What has to be said where joints and axes alone leave much; nothing where it is not known."""
+    lacks = (
+        "the model lacks an effect beside these, and its stiffnesses may be off by more than their "
+        "deviations; `armodal gap` tells which"
+    )
+    if beside is None:
+        within = (
+            "joints alone leave so much because masses, places, gains and the hits' aim are off, "
+            "within their tolerances; bearings, links and base explain none of it"
+        )
+        return (within,) if explained is Explained.JOINTS else ()
     first = (
         "joints alone do not explain the motion, since bearings, links and base give way a little "
         "in any sound arm: k is that beside them, as in `armodal gap`; `k alone` is what a model "
         "of joints alone needs for the measured modes, and what predictions and exports have"
     )
-    if not beside.lacks_an_effect:
-        return (first, *notes_on_its_end(beside.fit))
-    lacks = (
-        "it lacks an effect beside these too, and its stiffnesses may be off by more than their "
-        "deviations; `armodal gap` tells which"
-    )
-    return first, lacks
-
-
-def explained_by(fit: FrfFit, beside: BesideOrdinary | None) -> Explained:
-    """Return what explains the motion: joints alone, what is ordinary beside them, or neither."""
-    if fit.relative_residual.max() < UNEXPLAINED:
-        return Explained.JOINTS
-    if beside is None or beside.lacks_an_effect:
-        return Explained.NOTHING
-    return Explained.ORDINARY
+    if explained is Explained.NOTHING:
+        return first, lacks
+    return (first, *notes_on_its_end(beside.fit))

@@ -14,6 +14,7 @@ from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
 from armodal.analyzer.identification.frf_model import PostureData, posture_data
 from armodal.analyzer.identification.mode_fit import MeasuredModes, fit_to_frequencies
 from armodal.analyzer.identification.parameters import FitState
+from armodal.analyzer.identification.records import Explained
 from armodal.analyzer.identification.result_rows import UNEXPLAINED
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE
 from armodal.protocols.errors import EstimateError
@@ -37,6 +38,7 @@ class ChosenModel:
     beside: BesideOrdinary | None = None  # where these leave much
     rivals: tuple[tuple[str, float], ...] = ()  # where an axis was tried, and the cost there
     notes: tuple[str, ...] = ()
+    explained: Explained = Explained.JOINTS
 
 
 def coarse_data(
@@ -87,13 +89,14 @@ def choose_model(
     # Axes that the arm file has are fitted, no further one is looked for.
     if believed.axes or _explained_by_joints(superset, baseline, coarse):
         fit = fitted(baseline)
-        beside, notes = (None, ()) if _is_explained(fit) else _beside(session, frfs, say)
-        return ChosenModel(fit=fit, beside=beside, notes=notes)
+        if _is_explained(fit):
+            return ChosenModel(fit=fit)
+        return _chosen(fit, *_beside(session, frfs, say))
     beside, notes = _beside(session, frfs, say)
     if not any(share < STRUCTURAL_SHARE for posture in shares for share in posture):
-        return ChosenModel(fit=fitted(baseline), beside=beside, notes=notes)
+        return _chosen(fitted(baseline), beside, notes)
     if beside is not None and not beside.may_have_axis():
-        return ChosenModel(fit=fitted(baseline), beside=beside, notes=(_NO_AXIS,))
+        return _chosen(fitted(baseline), beside, (_NO_AXIS,))
     rivals: tuple[tuple[str, float], ...] = ()
     try:
         best, rivals = best_axis_fit(superset, baseline, coarse, measured, _least(shares), say)
@@ -102,14 +105,38 @@ def choose_model(
         if why is None and beside is not None:
             (axis,) = fit.state.structure.axes
             richer, why = _with_axis(superset, beside, axis)
-            if why is None:
-                beside = None if _is_explained(fit) else richer.settled()
+            beside = beside if why is not None else richer
         if why is None:
-            return ChosenModel(fit=fit, beside=beside, rivals=rivals, notes=notes)
+            return _chosen(fit, beside, notes, rivals)
     except EstimateError as problem:
         # What the joints leave need not be an axis.
         why = f"joints alone leave much, but no axis in a link explains it: {problem}"
-    return ChosenModel(fit=fitted(baseline), beside=beside, rivals=rivals, notes=(*notes, why))
+    return _chosen(fitted(baseline), beside, (*notes, why), rivals)
+
+
+def _chosen(
+    fit: FrfFit,
+    beside: BesideOrdinary | None,
+    notes: tuple[str, ...],
+    rivals: tuple[tuple[str, float], ...] = (),
+) -> ChosenModel:
+    """What is ordinary stands beside joints and axes where they leave much and it tells more."""
+    if _is_explained(fit):
+        return ChosenModel(fit=fit, rivals=rivals, notes=notes)
+    if beside is None:
+        return ChosenModel(fit=fit, rivals=rivals, notes=notes, explained=Explained.NOTHING)
+    beside = beside.settled()
+    needed = beside.is_needed
+    explained = Explained.ORDINARY if needed else Explained.JOINTS
+    if beside.lacks_an_effect:
+        explained = Explained.NOTHING
+    return ChosenModel(
+        fit=fit,
+        beside=beside if needed else None,
+        rivals=rivals,
+        notes=notes,
+        explained=explained,
+    )
 
 
 def _beside(

@@ -12,7 +12,6 @@ from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.identification.axis_results import axis_results
 from armodal.analyzer.identification.beside_rows import (
     axes_beside,
-    explained_by,
     joints_beside,
     notes_beside,
 )
@@ -155,7 +154,7 @@ def identify(
             axis_results(superset, fit, model_std, fitted, measured, shares, fit_predictions),
             beside,
         ),
-        explained_by=explained_by(fit, beside),
+        explained_by=chosen.explained,
         modes=mode_results(fitted, measured, shares, fit_predictions, beyond_joints),
         validation=tuple(
             result
@@ -177,7 +176,7 @@ def identify(
                 for frf in frfs
                 for note in record_notes(session, frf.posture, band_hz=band_hz, board_limits=False)
             ),
-            *fit_notes(fit, fitted, shares, () if beside is None else notes_beside(beside)),
+            *fit_notes(fit, fitted, shares, notes_beside(chosen.explained, beside)),
         ),
     )
 

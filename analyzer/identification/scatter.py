@@ -29,12 +29,15 @@ Bulletin 2 (1946) 110.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
-__all__ = ["FEWEST_DOF", "ParameterScatter", "half_width_95"]
+from armodal.analyzer.confidence import TWO_SIDED_95
+
+__all__ = ["FEWEST_DOF", "ParameterScatter", "half_width_95", "stated_half_width_95"]
 
 Array = npt.NDArray[np.float64]
 
@@ -112,6 +115,30 @@ def half_width_95(std: float, degrees_of_freedom: float) -> float:
     """Half the 95 % interval of an estimate whose `std` is that of a Student t."""
     quantile = scipy.special.stdtrit(degrees_of_freedom, 0.975)
     return float(std / _spread(np.float64(degrees_of_freedom)) * quantile)
+
+
+class Stated(Protocol):
+    """A stiffness with the deviations of its scatter and of what the model leaves open."""
+
+    @property
+    def k_std(self) -> float:
+        """Return the scatter's, N m/rad."""
+        ...
+
+    @property
+    def k_dof(self) -> float:
+        """Return its degrees of freedom."""
+        ...
+
+    @property
+    def k_std_model(self) -> float:
+        """Return the model's, N m/rad."""
+        ...
+
+
+def stated_half_width_95(row: Stated) -> float:
+    """Half the 95 % interval of a stiffness, N m/rad, scatter and model together."""
+    return float(np.hypot(half_width_95(row.k_std, row.k_dof), TWO_SIDED_95 * row.k_std_model))
 
 
 def _spread(dof: npt.ArrayLike) -> Array:

@@ -9,8 +9,8 @@ import numpy as np
 
 from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.records import GapResult, PostureGap, Verdict
-from armodal.analyzer.identification.records import AxisResult, Identification
-from armodal.analyzer.identification.scatter import half_width_95
+from armodal.analyzer.identification.records import AxisResult, Explained, Identification
+from armodal.analyzer.identification.scatter import stated_half_width_95
 from armodal.analyzer.report.effect_words import certainty, effect_sentence
 from armodal.analyzer.report.words import plus_minus, rounded, share
 
@@ -74,13 +74,22 @@ def _worst(rows: Sequence[PostureGap]) -> float | None:
     return max(errors) if errors else None
 
 
+_WITHOUT_AXES = {
+    Explained.JOINTS: "Springs at the joints alone explain the measured motion; no link is "
+    "compliant about an axis of its own.",
+    Explained.ORDINARY: "Springs at the joints explain the measured motion beside bearings, links "
+    "and a base that give way as in any sound arm; no link is compliant about an axis of its own.",
+    Explained.NOTHING: "Springs at the joints do not explain the measured motion, nor does an axis "
+    "in a link; a gap analysis tells what the model lacks.",
+}
+
+
 def _of_identification(result: Identification) -> tuple[Finding, ...]:
     found = [_axis(axis) for axis in result.axes]
     if not result.axes:
         found.append(
             Finding(
-                text="Springs at the joints alone explain the measured motion; no link is "
-                "compliant about an axis of its own.",
+                text=_WITHOUT_AXES[result.explained_by],
                 sure=f"{_structural(result)} of {len(result.modes)} modes move in ways that joints "
                 "do not explain.",
             )
@@ -104,7 +113,7 @@ def _of_identification(result: Identification) -> tuple[Finding, ...]:
 
 def _axis(axis: AxisResult) -> Finding:
     std = float(np.hypot(axis.k_std, axis.k_std_model))
-    half = float(np.hypot(half_width_95(axis.k_std, axis.k_dof), TWO_SIDED_95 * axis.k_std_model))
+    half = stated_half_width_95(axis)
     k, spread = plus_minus(axis.k_n_m_per_rad, std)
     low, high = rounded(axis.k_n_m_per_rad - half), rounded(axis.k_n_m_per_rad + half)
     return Finding(

@@ -8,10 +8,9 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.identification.predicted_posture import Prediction
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.identification.scatter import half_width_95
+from armodal.analyzer.identification.scatter import stated_half_width_95
 from armodal.analyzer.modal import ModalModel, synthesise
 from armodal.analyzer.planning.selective import SelectivePlan
 from armodal.analyzer.report.figures import UNITS
@@ -61,12 +60,9 @@ def modes_figure(model: ModalModel, frf: FrequencyResponse | None = None) -> Any
 
 
 def joints_figure(result: Identification) -> Any:
-    """Joint stiffness with the 95 % interval of scatter and the arm's tolerances together."""
+    """Joint stiffness with the 95 % interval of scatter and model together."""
     joints = result.joints
-    half = [
-        np.hypot(half_width_95(joint.k_std, joint.k_dof), TWO_SIDED_95 * joint.k_std_model)
-        for joint in joints
-    ]
+    half = [stated_half_width_95(joint) for joint in joints]
     figure = go.Figure()
     figure.add_scatter(
         x=[joint.k_n_m_per_rad for joint in joints],

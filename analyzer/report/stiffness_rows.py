@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.records import GapResult
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.identification.scatter import half_width_95
+from armodal.analyzer.identification.scatter import stated_half_width_95
 
 __all__ = ["Stiffness", "stiffness_rows"]
 
@@ -20,7 +19,7 @@ class Stiffness:
 
     joint: str
     k: float
-    std: float  # of scatter and of the inertias' tolerance together
+    std: float  # of scatter and of what the model leaves open together
     low: float  # of the 95 % range, over every explanation that still stands
     high: float
     believed: float | None  # by the arm file
@@ -44,9 +43,7 @@ def stiffness_rows(result: Identification, gap: GapResult | None) -> tuple[Stiff
     rows = []
     for joint in result.joints:
         k = joint.k_n_m_per_rad
-        half = float(
-            np.hypot(half_width_95(joint.k_std, joint.k_dof), TWO_SIDED_95 * joint.k_std_model)
-        )
+        half = stated_half_width_95(joint)
         rows.append(
             Stiffness(
                 joint=joint.joint,

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from rich.table import Table
 
 from armodal.analyzer.identification.records import Identification
-from armodal.analyzer.identification.scatter import half_width_95
+from armodal.analyzer.identification.scatter import stated_half_width_95
 from armodal.protocols.session.records import Session
 from armodal.tui.command_parts.narrow_table import narrow_table
 from armodal.tui.deviation import deviation
@@ -40,13 +40,16 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
     """Return joints, structural axes, validation, modes and hits as plain values."""
     accepted = len(session.accepted())
     return {
+        "explained_by": result.explained_by.value,
         "joints": [
             {
                 "joint": joint.joint,
                 "k_n_m_per_rad": joint.k_n_m_per_rad,
                 "k_std": joint.k_std,
-                "k_half_width_95": half_width_95(joint.k_std, joint.k_dof),
+                "k_half_width_95": stated_half_width_95(joint),
                 "k_std_model": joint.k_std_model,
+                "k_alone_n_m_per_rad": joint.k_alone_n_m_per_rad,
+                "k_alone_std_model": joint.k_alone_std_model,
                 "k_one_joint_n_m_per_rad": joint.k_one_joint_n_m_per_rad,
                 "c_n_m_s_per_rad": joint.c_n_m_s_per_rad,
                 "c_std": joint.c_std,
@@ -59,8 +62,10 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
                 "f_hz": axis.f_hz,
                 "k_n_m_per_rad": axis.k_n_m_per_rad,
                 "k_std": axis.k_std,
-                "k_half_width_95": half_width_95(axis.k_std, axis.k_dof),
+                "k_half_width_95": stated_half_width_95(axis),
                 "k_std_model": axis.k_std_model,
+                "k_alone_n_m_per_rad": axis.k_alone_n_m_per_rad,
+                "k_alone_std_model": axis.k_alone_std_model,
                 "c_n_m_s_per_rad": axis.c_n_m_s_per_rad,
                 "c_std": axis.c_std,
                 "direction_link": axis.direction_link.tolist(),
@@ -121,8 +126,11 @@ def identification_json(session: Session, result: Identification) -> dict[str, A
 
 def identification_tables(result: Identification) -> list[Table]:
     """Return tables of joints, axes, modes and validation."""
-    joints = Table(title="Joints (k in N m/rad; ± from scatter, ± from the inertias' tolerance)")
-    for column in ("joint", "k", "± scatter", "± model", "k one-joint", "c N m s/rad", "±"):
+    beside = any(joint.k_n_m_per_rad != joint.k_alone_n_m_per_rad for joint in result.joints)
+    what = "beside bearings, links and base" if beside else "of joints alone"
+    joints = Table(title=f"Joints (k in N m/rad, {what}; ± of scatter, ± of what the model leaves)")
+    alone = ("k alone",) if beside else ()
+    for column in ("joint", "k", "± scatter", "± model", *alone, "k one-joint", "c N m s/rad", "±"):
         joints.add_column(column, justify="right")
     for joint in result.joints:
         one = joint.k_one_joint_n_m_per_rad
@@ -131,6 +139,7 @@ def identification_tables(result: Identification) -> list[Table]:
             f"{joint.k_n_m_per_rad:.0f}",
             f"{joint.k_std:.0f}",
             f"{joint.k_std_model:.0f}",
+            *([f"{joint.k_alone_n_m_per_rad:.0f}"] if beside else []),
             "no own mode" if one is None else f"{one:.0f}",
             f"{joint.c_n_m_s_per_rad:.2f}",
             f"{joint.c_std:.2f}",

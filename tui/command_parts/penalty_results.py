@@ -72,7 +72,7 @@ def penalty_json(found: SessionPenalty, result: Identification) -> dict[str, Any
                 "k_n_m_per_rad": float(fit.structure.stiffness_n_m_per_rad[i]),
                 "k_std": std[i] if i in std and np.isfinite(std[i]) else None,
                 "c_n_m_s_per_rad": float(fit.structure.damping_n_m_s_per_rad[i]),
-                "k_whole_frfs_n_m_per_rad": whole[name].k_n_m_per_rad,
+                "k_whole_frfs_n_m_per_rad": whole[name].k_alone_n_m_per_rad,
             }
             for i, name in enumerate(found.joints)
         ],

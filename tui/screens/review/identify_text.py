@@ -17,7 +17,7 @@ __all__ = ["identification_view"]
 _WHOLE, _ONE = "all FRFs", "one mode"
 _METHODS = (
     "all FRFs: the whole arm fitted to every line; one mode: one joint alone beside it\n"
-    "± inertia: one standard deviation from the tolerance of the inertias"
+    "± model: one deviation of what the model leaves open; the range holds it"
 )
 
 
@@ -47,7 +47,7 @@ def _titled(title: str, table: Table, below: str = "") -> RenderableType:
 
 
 def _joints(rows: list[dict[str, Any]]) -> RenderableType:
-    table = _table("joint", "k", "95 % range", "± inertia", "c", "method")
+    table = _table("joint", "k", "95 % range", "± model", "c", "method")
     for row in rows:
         k, half = row["k_n_m_per_rad"], row["k_half_width_95"]
         table.add_row(
