@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from armodal.analyzer.arm.structure import Axis
 from armodal.analyzer.confidence import TWO_SIDED_95
 from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.identification.records import AxisResult, Identification
+from armodal.analyzer.screws import line_sense
 from armodal.protocols.arm.records import (
     AddedEffect,
     Arm,
@@ -68,10 +70,13 @@ def _axes_as_effects(
         session_sha256=session_sha256,
         created=created,
     )
-    return tuple(_as_effect(axis, evidence) for axis in result.axes)
+    lines = result.fit.state.structure.axes
+    return tuple(
+        _as_effect(axis, line, evidence) for axis, line in zip(result.axes, lines, strict=True)
+    )
 
 
-def _as_effect(axis: AxisResult, evidence: EffectEvidence) -> AddedEffect:
+def _as_effect(axis: AxisResult, line: Axis, evidence: EffectEvidence) -> AddedEffect:
     k, c = axis.k_alone_n_m_per_rad, axis.c_n_m_s_per_rad
     k_std = float(np.hypot(axis.k_std, axis.k_alone_std_model))
     loss = c / k
@@ -85,8 +90,8 @@ def _as_effect(axis: AxisResult, evidence: EffectEvidence) -> AddedEffect:
         ),
         description={
             "link": axis.link,
-            "direction": tuple(axis.direction_link.tolist()),
-            "point_m": tuple(axis.point_link_m.tolist()),
+            "direction": tuple(line_sense(line.direction).tolist()),
+            "point_m": tuple(line.point_m.tolist()),
         },
         evidence=evidence,
     )

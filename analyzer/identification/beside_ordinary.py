@@ -4,7 +4,7 @@ Bearings, links and the base of a sound arm give way a little too. A fit of join
 joints softer by that, by some per cent, and an axis in a link stiffer than any may take its place.
 So where joints alone leave much, the model that a gap analysis begins with is fitted beside them:
 masses, places, gains, bearings, links and base free within what is ordinary, and an axis counts
-only if it explains what these do not (docs/theory-identification.md, section 4).
+only if it explains what these do not (docs/theory-identification.md, section 5).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from armodal.analyzer.arm.structure import Axis
 from armodal.analyzer.arm.superset import Superset
@@ -36,10 +37,24 @@ from armodal.analyzer.gap.stiffness_ranges import left_open
 from armodal.protocols.frf_records import FrequencyResponse
 from armodal.protocols.session.records import Session
 
-__all__ = ["BesideOrdinary", "fit_beside_ordinary"]
+__all__ = ["AxisBeside", "BesideOrdinary", "fit_beside_ordinary"]
+
+Array = npt.NDArray[np.float64]
 
 _COMPLIANCES = ("rad/(N m)", "m/N")
 _RIGID = 1e-6  # of a compliance's prior: moves nothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisBeside:
+    """An axis in a link, in the link's frame, with one standard deviation of each."""
+
+    k_n_m_per_rad: float
+    k_std: float
+    direction_link: Array  # (3,) unit
+    point_link_m: Array  # (3,), nearest the frame's origin
+    turned_rad: float
+    shifted_m: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,13 +146,23 @@ class BesideOrdinary:
             result[name] = float(k), float(k * std)
         return result
 
-    def axis_stiffness(self) -> tuple[float, float] | None:
-        """Return k and its standard deviation, N m/rad, of the axis that was added, if any."""
+    def axis(self) -> AxisBeside | None:
+        """Return the axis that was added, if any."""
         if not self.has_axis:
             return None
-        size = self.fit.last.size
-        row = intervals(self.fit, [size], self._phi)[size]
-        return 1.0 / row.value, row.std / row.value**2
+        instance = self.fit.last
+        told = intervals(self.fit, (instance.size, *instance.begins_at), self._phi)
+        size = told[instance.size]
+        moved = [told[name] for name in instance.begins_at]
+        line = {} if instance.describe is None else instance.describe(self.fit.values)
+        return AxisBeside(
+            k_n_m_per_rad=1.0 / size.value,
+            k_std=size.std / size.value**2,
+            direction_link=np.array(line["direction"]),
+            point_link_m=np.array(line["point_m"]),
+            turned_rad=float(np.linalg.norm([m.std for m in moved if m.unit == ""])),
+            shifted_m=float(np.linalg.norm([m.std for m in moved if m.unit == "m"])),
+        )
 
     @cached_property
     def _hiding(self) -> list[Candidate]:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from armodal.analyzer.gap.outcome import notes_on_its_end
 from armodal.analyzer.identification.beside_ordinary import BesideOrdinary
 from armodal.analyzer.identification.records import AxisResult, Explained, JointResult
+from armodal.analyzer.screws import line_sense
 
 __all__ = ["axes_beside", "joints_beside", "notes_beside"]
 
@@ -35,17 +38,23 @@ def joints_beside(
 def axes_beside(
     rows: tuple[AxisResult, ...], beside: BesideOrdinary | None
 ) -> tuple[AxisResult, ...]:
-    """Return the axis with k as it is beside what else gives way, where one was added to that."""
-    added = None if beside is None else beside.axis_stiffness()
-    if added is None:
+    """Return the axis as it is beside what else gives way, where one was added to that.
+
+    Its modes' Mozzi axes stay beside the axis of joints alone, whose modes they are set beside.
+    """
+    axis = None if beside is None else beside.axis()
+    if axis is None:
         return rows
-    k, std = added
     return tuple(
         replace(
             row,
-            k_n_m_per_rad=k,
-            k_std=row.k_std * k / row.k_alone_n_m_per_rad,
-            k_std_model=std,
+            direction_link=line_sense(axis.direction_link),
+            point_link_m=axis.point_link_m,
+            direction_std_deg=float(np.rad2deg(axis.turned_rad)),
+            point_std_m=axis.shifted_m,
+            k_n_m_per_rad=axis.k_n_m_per_rad,
+            k_std=row.k_std * axis.k_n_m_per_rad / row.k_alone_n_m_per_rad,
+            k_std_model=axis.k_std,
         )
         for row in rows
     )
