@@ -36,6 +36,7 @@ class Candidate:
     material: bool
     continuous: bool  # a gain or a displacement, which errors of aim can look like
     size: float  # gain less one, or displacement in m; 0 where discrete
+    std: float  # of the size
 
     @property
     def name(self) -> tuple[Fault | None, tuple[int, ...]]:
@@ -68,6 +69,7 @@ def discrete(hypothesis: Hypothesis, fit: RigidFit) -> Candidate:
         material=True,
         continuous=False,
         size=0.0,
+        std=0.0,
     )
 
 
@@ -95,9 +97,11 @@ def relaxed(null: RigidFit, placeable: list[bool]) -> tuple[list[Candidate], Arr
         undone = 1.0 + float(fit.estimate[0])
         if LEAST_CORRECTION <= undone <= MOST_CORRECTION and fit.std[0] < DETERMINED_GAIN:
             gain = 1.0 / undone
-            text = f"{name} {gain:.3f} ± {gain**2 * float(fit.std[0]):.3f}"
-            found.append(_free(Fault.GAIN, where, n, name, text, fit, size=gain - 1.0))
-    std: Array = np.array([[free[4 * p + k].std[0] for k in range(3)] for p in range(n)])
+            gain_std = gain**2 * float(fit.std[0])
+            text = f"{name} {gain:.3f} ± {gain_std:.3f}"
+            size = gain - 1.0
+            found.append(_free(Fault.GAIN, where, n, name, text, fit, size=size, std=gain_std))
+    gain_stds: Array = np.array([[free[4 * p + k].std[0] for k in range(3)] for p in range(n)])
     points = [p for p in range(n) if placeable[p]]
     moved = fit_relaxed(
         null, [unit[:, p * kinds + 6 : p * kinds + 9] for p in points], WIDE_SHIFT_M
@@ -105,8 +109,9 @@ def relaxed(null: RigidFit, placeable: list[bool]) -> tuple[list[Candidate], Arr
     for p, fit in zip(points, moved, strict=True):
         size = float(np.linalg.norm(fit.estimate))
         text = f"it sat {1e3 * size:.0f} mm or more from where the file says"
-        found.append(_free(Fault.WRONG_POINT, (p,), n, "moved", text, fit, size=size))
-    return found, std
+        std_m = float(np.linalg.norm(fit.std))
+        found.append(_free(Fault.WRONG_POINT, (p,), n, "moved", text, fit, size=size, std=std_m))
+    return found, gain_stds
 
 
 def _free(
@@ -118,6 +123,7 @@ def _free(
     fit: Relaxed,
     *,
     size: float,
+    std: float,
 ) -> Candidate:
     return Candidate(
         fault=fault,
@@ -130,4 +136,5 @@ def _free(
         material=abs(size) > (MATERIAL_GAIN if fault is Fault.GAIN else MATERIAL_SHIFT_M),
         continuous=True,
         size=size,
+        std=std,
     )

@@ -77,7 +77,7 @@ def homogeneity(
     for i in usable:
         doubled = np.log2(level[i])
         z.append(doubled - doubled.mean())
-        found = _effects(s, poles, hits[i])
+        found = _effects(s, poles, hits[i], level[i])
         effect.append(found - found.mean(axis=0))
     Z, E = np.concatenate(z), np.concatenate(effect)
     freedom = len(Z) - len(usable) - 1
@@ -136,9 +136,14 @@ def _levels(level: Array) -> int:
     return count
 
 
-def _effects(s: ComplexArray, poles: Sequence[complex], frfs: ComplexArray) -> Array:
-    """Gain, frequency and damping change (n_hits, 3) of single hits from their mean."""
-    mean = frfs.mean(axis=0)
+def _effects(s: ComplexArray, poles: Sequence[complex], frfs: ComplexArray, level: Array) -> Array:
+    """Gain, frequency and damping change (n_hits, 3) of single hits from their mean.
+
+    Noise of an FRF falls with the force. A mean that counted soft hits as much would hold their
+    noise, and what is projected on it would have it too: soft hits would all seem to gain.
+    """
+    weight = level**2 / np.sum(level**2)
+    mean = np.einsum("h,hal->al", weight, frfs)
     relative = 1.0 / np.sqrt(np.mean(np.abs(mean) ** 2, axis=0))
     step = 1e-4 * s  # the basis is analytic: central differences err by its square
     up, down = modal_basis(s + step, poles), modal_basis(s - step, poles)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.checks.decision import ADEQUATE, CLEARLY_BETTER
+from armodal.analyzer.checks.decision import ADEQUATE, CLEARLY_BETTER, RIVAL_WITHIN
 from armodal.analyzer.checks.hit_aim import aim_patterns
 from armodal.analyzer.checks.records import Finding, Outcome
 from armodal.analyzer.checks.rigid_design import Assembly, rigid_design
@@ -20,14 +20,15 @@ from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
-__all__ = ["check_links"]
+__all__ = ["TOPS_HZ", "check_links"]
 
 ComplexArray = npt.NDArray[np.complex128]
 
 POSITION_STD_M = 0.003  # of a sensor put on a marked point by hand
 LOWEST_HZ = 8.0  # below, an accelerometer feels gravity turn more than the arm move
-TOPS_HZ = (200.0, 120.0, 70.0)  # the widest band in which links are rigid is taken
+TOPS_HZ = (200.0, 120.0, 70.0, 40.0)  # the widest band in which links are rigid is taken
 MIN_LINES = 20
+SURE = 3.0  # deviations, within which one size is that of another band
 
 
 def ordinary_errors(superset: Superset) -> OrdinaryErrors:
@@ -46,6 +47,8 @@ def check_links(
     poles: Sequence[complex],
     superset: Superset,
     errors: OrdinaryErrors | None = None,
+    *,
+    below_hz: float = np.inf,
 ) -> RigidLinkResult:
     """Name what is wrong with a roving triaxial sensor, if anything is.
 
@@ -61,6 +64,8 @@ def check_links(
         can do. May be empty, at the price of power.
     errors
         By default those of the arm file.
+    below_hz
+        No wider band is taken.
 
     Raises
     ------
@@ -80,22 +85,32 @@ def check_links(
     patterns = aim_patterns(s, poles, values, hits)
     spacing = float(frf.freq_hz[1] - frf.freq_hz[0])
     share = independent_line_share(frf.decay_rad_s, spacing)
-    result: RigidLinkResult | None = None
-    for assembly in Assembly:
+
+    def judged(assembly: Assembly, top_hz: float) -> RigidLinkResult | None:
+        keep = (frf.freq_hz >= LOWEST_HZ) & (frf.freq_hz <= top_hz)
+        if np.count_nonzero(keep) < MIN_LINES:
+            return None
+        stats = statistics(values[..., keep], variance[..., keep], patterns[..., keep], share)
         design = rigid_design(superset, dynamics, assembly)
-        for top_hz in TOPS_HZ:
-            keep = (frf.freq_hz >= LOWEST_HZ) & (frf.freq_hz <= top_hz)
-            if np.count_nonzero(keep) < MIN_LINES:
+        return rigid_link(frf.posture, measured, stats, design, errors)
+
+    last: RigidLinkResult | None = None
+    tops_hz = [top_hz for top_hz in TOPS_HZ if top_hz <= below_hz]
+    for assembly in Assembly:
+        for at, top_hz in enumerate(tops_hz):
+            result = judged(assembly, top_hz)
+            if result is None:
                 continue
-            stats = statistics(values[..., keep], variance[..., keep], patterns[..., keep], share)
-            result = rigid_link(frf.posture, measured, stats, design, errors)
-            if result.residual_per_dof <= ADEQUATE:
-                if assembly is Assembly.CHAIN and result.finding.outcome is Outcome.FAULT:
-                    links = rigid_design(superset, dynamics, Assembly.LINKS)
-                    narrower = rigid_link(frf.posture, measured, stats, links, errors)
-                    result = _unless_contradicted(result, narrower)
-                return result
-    return result or _too_few(frf.posture)
+            last = result
+            if result.residual_per_dof > ADEQUATE:
+                continue
+            if result.finding.outcome is Outcome.FAULT:
+                for narrower in tops_hz[at + 1 :]:
+                    result = _unless_elsewhere(result, judged(assembly, narrower), narrower)
+            if assembly is Assembly.CHAIN and result.finding.outcome is Outcome.FAULT:
+                result = _unless_contradicted(result, judged(Assembly.LINKS, top_hz))
+            return result
+    return last or _too_few(frf.posture)
 
 
 def _require(frf: FrequencyResponse) -> None:
@@ -127,24 +142,62 @@ def _triaxial_points(
     return measured, [[rows[point][axis] for axis in "xyz"] for point in measured]
 
 
-def _unless_contradicted(chain: RigidLinkResult, links: RigidLinkResult) -> RigidLinkResult:
+def _unless_elsewhere(
+    wide: RigidLinkResult, narrow: RigidLinkResult | None, top_hz: float
+) -> RigidLinkResult:
+    """The name stands where a narrower band has it too: a wrong sensor is wrong at every frequency.
+
+    What bends, gives way in a bearing or moves with the sensor's own mass is not.
+    """
+    if narrow is None or wide.finding.outcome is not Outcome.FAULT:
+        return wide
+    if _is_best(narrow, wide):
+        return wide
+    said = f"perhaps {wide.finding.text}, but not by lines up to {top_hz:.0f} Hz: an arm that"
+    return _in_doubt(wide, f"{said} bends, or the sensor's mass, may look so; measure it again")
+
+
+def _unless_contradicted(chain: RigidLinkResult, links: RigidLinkResult | None) -> RigidLinkResult:
     """The chain's name stands unless the links alone, with no hinge assumed, speak against it."""
+    if links is None:
+        return chain
     best = chain.candidates[0]
     null = next(c for c in links.candidates if c.fault is None)
     same = [c.cost for c in links.candidates if c.name == best.name]
+    another = links.finding.outcome is Outcome.FAULT and not _is_best(links, chain)
     # A fault that fell out of the links' screen explains them worse than nothing at all does.
-    if same and min(same) < null.cost + CLEARLY_BETTER:
+    if same and min(same) < null.cost + CLEARLY_BETTER and not another:
         return chain
+    return _in_doubt(chain, f"the chain says {chain.finding.text}, the links alone do not")
+
+
+def _is_best(result: RigidLinkResult, named: RigidLinkResult) -> bool:
+    """Whether a named fault, or one of two at once, is what explains a result's lines best.
+
+    A gain or a displacement must be as large there.
+    """
+    null = next(c for c in result.candidates if c.fault is None)
+    best, wanted = result.candidates[0], named.candidates[0]
+    if best.continuous and abs(best.size - wanted.size) > SURE * best.std:
+        return False
+    if best.name != wanted.name and (
+        result.finding.fault is None or set(result.finding.points) != set(named.finding.points)
+    ):
+        return False
+    return (null.cost - best.cost) / result.scale > RIVAL_WITHIN
+
+
+def _in_doubt(result: RigidLinkResult, text: str) -> RigidLinkResult:
     return replace(
-        chain,
+        result,
         finding=replace(
-            chain.finding,
+            result.finding,
             outcome=Outcome.CANNOT_TELL,
             fault=None,
             points=(),
             everywhere=False,
             confidence=0.0,
-            text=f"the chain says {chain.finding.text}, the links alone do not",
+            text=text,
         ),
     )
 

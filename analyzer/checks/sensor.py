@@ -7,7 +7,7 @@ any of them may be clear in all of them together.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from armodal.analyzer.checks.decision import CLEARLY_BETTER, CONTINUOUS_BAR, RIV
 from armodal.analyzer.checks.records import Fault, Finding, Outcome
 from armodal.analyzer.checks.rigid_link import RigidLinkResult
 
-__all__ = ["sensor_verdict"]
+__all__ = ["in_every_band", "sensor_verdict"]
 
 LEAST_IN_EACH = 8.0  # of twice the log likelihood ratio, in two postures at least
 AGREE = 0.5  # sizes of a gain in two postures differ by less than this part of their sum
@@ -67,6 +67,38 @@ def sensor_verdict(results: Sequence[RigidLinkResult]) -> Finding:
     return _without_fault(usable)
 
 
+def in_every_band(finding: Finding, narrower: Iterable[Sequence[RigidLinkResult]]) -> Finding:
+    """Return a fault over all postures if all of them together lead to it in every band.
+
+    A wrong sensor is wrong at every frequency; what bends, gives way in a bearing or moves with
+    the sensor's own mass is not.
+
+    Parameters
+    ----------
+    narrower
+        Of each narrower band, the results of all postures.
+    """
+    if finding.outcome is not Outcome.FAULT:
+        return finding
+    for results in narrower:
+        best = _leading([r for r in results if r.candidates])
+        if best is None or (best.fault, best.points, best.everywhere) != (
+            finding.fault,
+            finding.points,
+            finding.everywhere,
+        ):
+            text = f"perhaps {finding.text}, but not by lines of every band; measure it again"
+            return _say(Outcome.CANNOT_TELL, text)
+    return finding
+
+
+def _leading(results: Sequence[RigidLinkResult]) -> _Named | None:
+    """What all postures together are explained best by, if by more than rivals are apart."""
+    found = [t for t in (_total(named, results) for named in _names(results)) if t is not None]
+    best = max(found, key=lambda t: t.gain, default=None)
+    return None if best is None or best.gain < RIVAL_WITHIN else best.named
+
+
 def _without_fault(results: Sequence[RigidLinkResult]) -> Finding:
     """Good only if no posture is plainly wrong in a way that got no name."""
     good = [r.finding for r in results if r.finding.outcome is Outcome.GOOD]
@@ -99,12 +131,7 @@ def _together(clear: Sequence[_Total]) -> Finding:
 
 def _clear(results: Sequence[RigidLinkResult]) -> list[_Total]:
     """The fault that all postures together name, with its rivals; empty where there is none."""
-    names: dict[_Named, None] = {}
-    for r in results:
-        for c in r.candidates:
-            if c.fault is not None and c.material:
-                names.setdefault(_name(r, c.fault, c), None)
-    totals = [_total(named, results) for named in names]
+    totals = [_total(named, results) for named in _names(results)]
     clear = [
         t
         for t in totals
@@ -124,6 +151,16 @@ def _clear(results: Sequence[RigidLinkResult]) -> list[_Total]:
 
     rivals = [t for t in clear[1:] if t.gain > best.gain - RIVAL_WITHIN and place(t) != place(best)]
     return [best, *rivals]
+
+
+def _names(results: Sequence[RigidLinkResult]) -> list[_Named]:
+    """Every fault that was fitted in any posture and is large enough to matter."""
+    names: dict[_Named, None] = {}
+    for r in results:
+        for c in r.candidates:
+            if c.fault is not None and c.material:
+                names.setdefault(_name(r, c.fault, c), None)
+    return list(names)
 
 
 def _name(result: RigidLinkResult, fault: Fault, c: Candidate) -> _Named:

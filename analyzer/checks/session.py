@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -11,11 +12,11 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.drift import drift_finding
 from armodal.analyzer.checks.driving_point import driving_point
 from armodal.analyzer.checks.homogeneity import homogeneity
-from armodal.analyzer.checks.links import check_links
+from armodal.analyzer.checks.links import TOPS_HZ, check_links
 from armodal.analyzer.checks.reciprocity import reciprocity
 from armodal.analyzer.checks.records import Finding, Outcome
 from armodal.analyzer.checks.rigid_link import RigidLinkResult
-from armodal.analyzer.checks.sensor import sensor_verdict
+from armodal.analyzer.checks.sensor import in_every_band, sensor_verdict
 from armodal.analyzer.modal import ModalModel, convert_form, fit_modes, hit_frfs, hit_spectra
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.errors import EstimateError
@@ -50,6 +51,7 @@ def check_session(
     """
     found: list[Finding] = []
     links: list[RigidLinkResult] = []
+    check_again: list[Callable[..., RigidLinkResult]] = []
     roving_hammer = session.header.plan.mode is Mode.ROVING_HAMMER
     for number, frf in enumerate(frfs):
         model = _model(frf) if models is None else models[number]
@@ -61,7 +63,9 @@ def check_session(
             by_point = {point: values for point, (values, _) in single.items()}
             try:
                 accelerance = convert_form(frf, FrfForm.ACCELERANCE)
-                links.append(check_links(accelerance, by_point, poles, superset))
+                check = partial(check_links, accelerance, by_point, poles, superset)
+                links.append(check())
+                check_again.append(check)
                 found.append(links[-1].finding)
             except EstimateError as error:
                 found.append(_no_links(frf.posture, str(error)))
@@ -77,7 +81,8 @@ def check_session(
         )
         found += reciprocity([frf])
         found.append(drift_finding(frf.posture, model))
-    return (*found, sensor_verdict(links))
+    narrower = ([check(below_hz=top) for check in check_again] for top in TOPS_HZ[1:])
+    return (*found, in_every_band(sensor_verdict(links), narrower))
 
 
 def _single_hits(
