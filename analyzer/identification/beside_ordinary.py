@@ -137,11 +137,13 @@ class BesideOrdinary:
         """Return k and its standard deviation, N m/rad, of every elastic joint."""
         ordinary = self.fit.hypothesis.ordinary
         names = [ordinary.arm.joints[i].name for i in ordinary.elastic]
-        found = intervals(self.fit, [f"ln k {name}" for name in names], self._phi)
+        found = intervals(self.fit, [f"ln k {name}" for name in names], self.inflation)
         result = {}
         for name in names:
             row = found[f"ln k {name}"]
-            std = np.hypot(row.std, left_open(self._hiding, self.fit, f"ln k {name}", self._phi))
+            std = np.hypot(
+                row.std, left_open(self._hiding, self.fit, f"ln k {name}", self.inflation)
+            )
             k = np.exp(row.value)
             result[name] = float(k), float(k * std)
         return result
@@ -151,7 +153,7 @@ class BesideOrdinary:
         if not self.has_axis:
             return None
         instance = self.fit.last
-        told = intervals(self.fit, (instance.size, *instance.begins_at), self._phi)
+        told = intervals(self.fit, (instance.size, *instance.begins_at), self.inflation)
         size = told[instance.size]
         moved = [told[name] for name in instance.begins_at]
         line = {} if instance.describe is None else instance.describe(self.fit.values)
@@ -171,7 +173,8 @@ class BesideOrdinary:
         return [c for c in looked if c.instance.size and np.isfinite(c.size_std)]
 
     @cached_property
-    def _phi(self) -> float:
+    def inflation(self) -> float:
+        """Return the factor of the data's variance, for intervals."""
         return max(self.calibration.inflation, dispersion(self.stages[-1], self.fit))
 
 

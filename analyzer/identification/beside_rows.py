@@ -74,8 +74,9 @@ def notes_beside(explained: Explained, beside: BesideOrdinary | None) -> tuple[s
         return (within,) if explained is Explained.JOINTS else ()
     first = (
         "joints alone do not explain the motion, since bearings, links and base give way a little "
-        "in any sound arm: k is that beside them, as in `armodal gap`; `k alone` is what a model "
-        "of joints alone needs for the measured modes, and what predictions and exports have"
+        "in any sound arm: k is that beside them, as in `armodal gap`, and so validation postures "
+        "are predicted; `k alone` is what a model of joints alone needs for the measured modes, "
+        "and what `armodal predict` and exports have"
     )
     if explained is Explained.NOTHING:
         return first, lacks

@@ -15,6 +15,7 @@ from armodal.analyzer.identification.beside_rows import (
     joints_beside,
     notes_beside,
 )
+from armodal.analyzer.identification.beside_validation import validation_beside
 from armodal.analyzer.identification.chosen_model import choose_model, coarse_data
 from armodal.analyzer.identification.estimate import estimate_frfs
 from armodal.analyzer.identification.mode_fit import (
@@ -158,8 +159,12 @@ def identify(
         modes=mode_results(fitted, measured, shares, fit_predictions, beyond_joints),
         validation=tuple(
             result
-            for frf, m in zip(held_out, checked, strict=True)
-            for result in validation_results(frf, m, by_posture[frf.posture])
+            for frf, m, own in zip(held_out, checked, held_out_models, strict=True)
+            for result in (
+                validation_results(frf, m, by_posture[frf.posture])
+                if beside is None
+                else validation_beside(beside, session, frf, own)
+            )
         ),
         rivals=chosen.rivals,
         fit=fit,

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from rich.table import Table
 
-from armodal.analyzer.identification.records import Explained, Identification
+from armodal.analyzer.identification.records import Identification
 from armodal.analyzer.identification.scatter import stated_half_width_95
 from armodal.protocols.session.records import Session
 from armodal.tui.command_parts.narrow_table import narrow_table
@@ -164,9 +164,7 @@ def identification_tables(result: Identification) -> list[Table]:
     tables = [joints, modes] if axes is None else [joints, axes, modes]
     if result.validation:
         checked = narrow_table(
-            "Validation postures: predicted ± std, then measured"
-            if result.explained_by is Explained.JOINTS
-            else "Validation postures: foretold by joints alone ± their scatter, then measured",
+            "Validation postures: predicted ± std, then measured",
             (
                 "posture",
                 "mode",

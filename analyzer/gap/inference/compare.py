@@ -17,7 +17,7 @@ from armodal.analyzer.gap.records import Disagreement, ModeMatch, PostureGap
 from armodal.analyzer.modal.correlation import mac
 from armodal.analyzer.modal.modes import ModalModel
 
-__all__ = ["disagreement_map", "posture_gap"]
+__all__ = ["disagreement_map", "match_modes", "poles_and_shapes", "posture_gap"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -61,12 +61,12 @@ def posture_gap(
 
 
 def match_modes(measured: ModalModel, system: System) -> tuple[ModeMatch, ...]:
-    """Measured modes beside the model's, each model mode used once, best MAC first.
+    """Return measured modes beside the model's, each model mode used once, best MAC first.
 
     Close modes are compared as a subspace: a measured shape is set beside its projection on the
     model's shapes within the band around it.
     """
-    poles, shapes = _model_modes(system)
+    poles, shapes = poles_and_shapes(system)
     rows = system.seen.reshape(-1, system.mass.shape[0])
     seen = rows @ shapes
     pairs = []
@@ -104,8 +104,8 @@ def match_modes(measured: ModalModel, system: System) -> tuple[ModeMatch, ...]:
     return tuple(sorted(found, key=lambda m: m.measured_hz))
 
 
-def _model_modes(system: System) -> tuple[ComplexArray, ComplexArray]:
-    """Poles (k,) of positive frequency and shapes (n, k) of the coordinates."""
+def poles_and_shapes(system: System) -> tuple[ComplexArray, ComplexArray]:
+    """Return poles (k,) of positive frequency and shapes (n, k) of the coordinates."""
     n = system.mass.shape[0]
     soft = np.isfinite(system.compliance)
     free = np.flatnonzero(~soft | (system.compliance > 1e-9))
