@@ -152,7 +152,8 @@ def _unless_elsewhere(
     if narrow is None or wide.finding.outcome is not Outcome.FAULT:
         return wide
     if _is_best(narrow, wide):
-        return wide
+        beside = set(wide.finding.points) - set(narrow.finding.points)
+        return replace(wide, finding=wide.first) if beside - set(wide.first.points) else wide
     said = f"perhaps {wide.finding.text}, but not by lines up to {top_hz:.0f} Hz: an arm that"
     return _in_doubt(wide, f"{said} bends, or the sensor's mass, may look so; measure it again")
 
@@ -203,17 +204,19 @@ def _in_doubt(result: RigidLinkResult, text: str) -> RigidLinkResult:
 
 
 def _too_few(posture: str) -> RigidLinkResult:
+    finding = Finding(
+        check="rigid link",
+        posture=posture,
+        outcome=Outcome.CANNOT_TELL,
+        fault=None,
+        points=(),
+        everywhere=False,
+        confidence=0.0,
+        text="wanted two or more triaxial points on moving links and 20 lines above 8 Hz",
+    )
     return RigidLinkResult(
-        finding=Finding(
-            check="rigid link",
-            posture=posture,
-            outcome=Outcome.CANNOT_TELL,
-            fault=None,
-            points=(),
-            everywhere=False,
-            confidence=0.0,
-            text="wanted two or more triaxial points on moving links and 20 lines above 8 Hz",
-        ),
+        finding=finding,
+        first=finding,
         measured=(),
         candidates=(),
         residual_per_dof=float("nan"),

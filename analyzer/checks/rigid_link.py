@@ -36,12 +36,13 @@ FITTED = 32  # discrete hypotheses that survive the screen
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidLinkResult:
-    """The finding, and the rivals beside it, best first.
+    """The finding, and rivals of what was found first, best first.
 
     `faint` says that a finding that cannot tell stays below the bar of a name.
     """
 
     finding: Finding
+    first: Finding  # without what was found beside it
     measured: tuple[str, ...]
     candidates: tuple[Candidate, ...]
     residual_per_dof: float
@@ -110,6 +111,7 @@ def rigid_link(
         per_dof = min(per_dof, rest.residual_per_dof)
     return RigidLinkResult(
         finding=finding,
+        first=decision.finding,
         measured=measured,
         candidates=tuple(found),
         residual_per_dof=per_dof,
