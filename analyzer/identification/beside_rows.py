@@ -80,4 +80,9 @@ def notes_beside(explained: Explained, beside: BesideOrdinary | None) -> tuple[s
     )
     if explained is Explained.NOTHING:
         return first, lacks
-    return (first, *notes_on_its_end(beside.fit))
+    averaged = (
+        "soft and hard hits are averaged: a joint that slips, softens or has play has no one k; "
+        "`armodal gap` asks whether any does"
+    )
+    levels = [averaged] if beside.fit.hypothesis.ordinary.levels_hit else []
+    return (first, *levels, *notes_on_its_end(beside.fit))
