@@ -20,13 +20,14 @@ from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.frf_records import FrequencyResponse, FrfForm
 
-__all__ = ["TOPS_HZ", "check_links"]
+__all__ = ["TOPS_HZ", "check_links", "no_links"]
 
 ComplexArray = npt.NDArray[np.complex128]
 
 POSITION_STD_M = 0.003  # of a sensor put on a marked point by hand
 LOWEST_HZ = 8.0  # below, an accelerometer feels gravity turn more than the arm move
-TOPS_HZ = (200.0, 120.0, 70.0, 40.0)  # the widest band in which links are rigid is taken
+# The widest band in which links are rigid is taken; a name must hold in the narrower ones too.
+TOPS_HZ = (200.0, 120.0, 70.0, 40.0)
 MIN_LINES = 20
 SURE = 3.0  # deviations, within which one size is that of another band
 
@@ -189,22 +190,12 @@ def _is_best(result: RigidLinkResult, named: RigidLinkResult) -> bool:
 
 
 def _in_doubt(result: RigidLinkResult, text: str) -> RigidLinkResult:
-    return replace(
-        result,
-        finding=replace(
-            result.finding,
-            outcome=Outcome.CANNOT_TELL,
-            fault=None,
-            points=(),
-            everywhere=False,
-            confidence=0.0,
-            text=text,
-        ),
-    )
+    return replace(result, finding=no_links(result.finding.posture, text))
 
 
-def _too_few(posture: str) -> RigidLinkResult:
-    finding = Finding(
+def no_links(posture: str, why: str) -> Finding:
+    """Return that a posture's links cannot be checked, and why."""
+    return Finding(
         check="rigid link",
         posture=posture,
         outcome=Outcome.CANNOT_TELL,
@@ -212,8 +203,13 @@ def _too_few(posture: str) -> RigidLinkResult:
         points=(),
         everywhere=False,
         confidence=0.0,
-        text="wanted two or more triaxial points on moving links and 20 lines above 8 Hz",
+        text=why,
     )
+
+
+def _too_few(posture: str) -> RigidLinkResult:
+    why = "wanted two or more triaxial points on moving links and 20 lines above 8 Hz"
+    finding = no_links(posture, why)
     return RigidLinkResult(
         finding=finding,
         first=finding,

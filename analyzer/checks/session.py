@@ -12,9 +12,9 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.checks.drift import drift_finding
 from armodal.analyzer.checks.driving_point import driving_point
 from armodal.analyzer.checks.homogeneity import homogeneity
-from armodal.analyzer.checks.links import TOPS_HZ, check_links
+from armodal.analyzer.checks.links import TOPS_HZ, check_links, no_links
 from armodal.analyzer.checks.reciprocity import reciprocity
-from armodal.analyzer.checks.records import Finding, Outcome
+from armodal.analyzer.checks.records import Finding
 from armodal.analyzer.checks.rigid_link import RigidLinkResult
 from armodal.analyzer.checks.sensor import in_every_band, sensor_verdict
 from armodal.analyzer.modal import ModalModel, convert_form, fit_modes, hit_frfs, hit_spectra
@@ -58,7 +58,7 @@ def check_session(
         poles = () if model is None else tuple(mode.pole_rad_s for mode in model.modes)
         single = _single_hits(session, frf, roving_hammer=roving_hammer)
         if roving_hammer:
-            found.append(_no_links(frf.posture, _NOT_ROVING))
+            found.append(no_links(frf.posture, _NOT_ROVING))
         else:
             by_point = {point: values for point, (values, _) in single.items()}
             try:
@@ -68,7 +68,7 @@ def check_session(
                 check_again.append(check)
                 found.append(links[-1].finding)
             except EstimateError as error:
-                found.append(_no_links(frf.posture, str(error)))
+                found.append(no_links(frf.posture, str(error)))
         found += [driving_point(frf, i) for i, dof in _driven(frf)]
         found.append(
             homogeneity(
@@ -121,16 +121,3 @@ def _driven(frf: FrequencyResponse) -> list[tuple[int, str]]:
     measured = {dof.point for dof in frf.responses}
     driven = [(i, dof.point) for i, dof in enumerate(frf.references) if dof.point in measured]
     return driven or [(0, frf.references[0].point)]
-
-
-def _no_links(posture: str, why: str) -> Finding:
-    return Finding(
-        check="rigid link",
-        posture=posture,
-        outcome=Outcome.CANNOT_TELL,
-        fault=None,
-        points=(),
-        everywhere=False,
-        confidence=0.0,
-        text=why,
-    )

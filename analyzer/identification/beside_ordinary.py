@@ -93,7 +93,6 @@ class BesideOrdinary:
         """Return whether more is left than a right model may be off."""
         return self.calibration.is_model_wrong
 
-    @property
     def is_needed(self) -> bool:
         """Return whether the evidence is for what gives way beside joints and axes."""
         stiff = replace(
@@ -211,10 +210,11 @@ def fit_beside_ordinary(session: Session, frfs: tuple[FrequencyResponse, ...]) -
 
 def _stiff(fit: Fit) -> Instance:
     """Nothing gives way beside joints and axes."""
+    of_file = {name for instance in fit.hypothesis.instances for name in instance.owned}
     rigid = {
         p.name: replace(p, mean=0.0, std=_RIGID * p.std, high=_RIGID * p.std)
         for p in fit.hypothesis.ordinary.parameters()
-        if p.unit in _COMPLIANCES
+        if p.unit in _COMPLIANCES and p.name not in of_file
     }
     words = EffectWords(
         name="stiff",

@@ -126,7 +126,7 @@ def _chosen(
     if beside is None:
         return ChosenModel(fit=fit, rivals=rivals, notes=notes, explained=Explained.NOTHING)
     beside = beside.settled()
-    needed = beside.is_needed
+    needed = beside.is_needed()
     explained = Explained.ORDINARY if needed else Explained.JOINTS
     if beside.lacks_an_effect:
         explained = Explained.NOTHING
