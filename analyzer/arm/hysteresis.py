@@ -1,4 +1,4 @@
-"""Loss factors as causal laws: the same at every frequency, or growing with a power of it."""
+"""Losses as causal laws: alike at every frequency, growing with a power of it, or relaxing."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ __all__ = [
     "lost_by_power",
     "lost_by_power_slope",
     "lost_by_power_slope_of_line",
+    "relaxed",
+    "relaxed_slope",
+    "relaxed_slope_of_line",
 ]
 
 # Where a joint with a loss factor has its stiffness k.
@@ -70,6 +73,38 @@ def lost_by_power_slope_of_line(s: ComplexArray, power: Array) -> ComplexArray:
     """Return the derivative of `lost_by_power` by the line s, (P, L)."""
     p = _power(power)
     return np.asarray(p * np.exp(p * _ln(s)) / (s * np.sin(0.5 * np.pi * p)))
+
+
+def relaxed(s: ComplexArray, rate_rad_s: Array) -> ComplexArray:
+    """Return what a part that relaxes adds to a unit stiffness at s, in rad/s, a unit of its loss.
+
+    A spring and a damper in a row beside the stiffness (the standard linear solid: Lakes,
+    Viscoelastic Materials (2009), section 2.6), less what they add to the stiffness at
+    `REFERENCE_RAD_S`. It loses most, one, at its rate w, and adds two in all:
+
+        z(s) = 2 s / (s + w) - 2 w0^2 / (w0^2 + w^2) .
+
+    Parameters
+    ----------
+    s : (P, L)
+    rate_rad_s : (P,)
+    """
+    w = rate_rad_s.astype(float)[..., None]
+    there = REFERENCE_RAD_S**2 / (REFERENCE_RAD_S**2 + w**2)
+    return np.asarray(2.0 * s / (s + w) - 2.0 * there)
+
+
+def relaxed_slope(s: ComplexArray, rate_rad_s: Array) -> ComplexArray:
+    """Return the derivative of `relaxed` by the logarithm of its rate, (P, L)."""
+    w = rate_rad_s.astype(float)[..., None]
+    there = REFERENCE_RAD_S * w / (REFERENCE_RAD_S**2 + w**2)
+    return np.asarray(4.0 * there**2 - 2.0 * s * w / (s + w) ** 2)
+
+
+def relaxed_slope_of_line(s: ComplexArray, rate_rad_s: Array) -> ComplexArray:
+    """Return the derivative of `relaxed` by the line s, (P, L)."""
+    w = rate_rad_s.astype(float)[..., None]
+    return np.asarray(2.0 * w / (s + w) ** 2)
 
 
 def _power(power: Array) -> Array:

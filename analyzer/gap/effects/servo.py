@@ -64,8 +64,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             k = float(np.exp(values[f"ln k {joint}"]))
             c = float(np.exp(values[f"ln c {joint}"]))
             # The joint's spring stretches by the difference of link and rotor.
-            lost = k * values[f"loss {joint}"]
-            for kind, value in (("stiffness", k), ("damping", c), ("loss", lost)):
+            for kind, value in assembly.drive_terms(joint, k, c, values):
                 assembly.add_term(kind, own, own, value)
                 assembly.add_term(kind, own, link, -value)
             assembly.add_term("mass", own, own, values[inertia], parameter=inertia)

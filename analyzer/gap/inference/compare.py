@@ -10,7 +10,13 @@ import numpy as np
 import numpy.typing as npt
 import scipy.linalg
 
-from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power, lost_by_power_slope_of_line
+from armodal.analyzer.arm.hysteresis import (
+    hysteresis,
+    lost_by_power,
+    lost_by_power_slope_of_line,
+    relaxed,
+    relaxed_slope_of_line,
+)
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.records import Disagreement, ModeMatch, PostureGap
@@ -129,12 +135,15 @@ def poles_and_shapes(system: System) -> tuple[ComplexArray, ComplexArray]:
     shapes = np.zeros((n, keep.size), dtype=np.complex128)
     shapes[free] = vectors[:m, keep]
     poles = values[keep]
-    if loss.any():
+    if loss.any() or system.relaxing.any():
         drives = system.loss[np.ix_(free, free)]
-        still = (M, C, K - 1j * loss, drives, loss - drives)
+        relaxing = [of[np.ix_(free, free)] for of in system.relaxing]
+        still = (M, C, K - 1j * loss, drives, loss - drives, *relaxing)
         v = vectors[:m, keep]
         modal = [np.einsum("ij,ik,kj->j", v, of, v) for of in still]
-        poles = _with_losses(poles, *modal, power=system.loss_power)
+        poles = _with_losses(
+            poles, *modal, power=system.loss_power, rates_rad_s=system.relaxing_rad_s
+        )
     order = np.argsort(np.abs(poles))
     return poles[order], shapes[:, order]
 
@@ -146,14 +155,18 @@ def _with_losses(
     k: ComplexArray,
     drives: ComplexArray,
     others: ComplexArray,
-    *,
+    *relaxing: ComplexArray,
     power: Array,
+    rates_rad_s: Array,
 ) -> ComplexArray:
     """Poles where the stored part of losses is the mode's own: Newton on v' Z(s) v."""
     s = poles
     for _ in range(_NEWTON_STEPS):
         value = s**2 * m + s * c + k + lost_by_power(s, power) * drives + hysteresis(s) * others
         slope = 2.0 * s * m + c + lost_by_power_slope_of_line(s, power) * drives
+        for part, rate in zip(relaxing, rates_rad_s, strict=True):
+            value += relaxed(s, rate) * part
+            slope += relaxed_slope_of_line(s, rate) * part
         s = s - value / (slope + (2.0 / np.pi) * others / s)
     return np.asarray(s)
 

@@ -20,14 +20,34 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import REFERENCE_RAD_S
 from armodal.analyzer.gap.model.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.model.lines import PostureLines
 
-__all__ = ["BASE", "Assembly", "Inside", "Pieces", "System", "spatial_inertia"]
+__all__ = [
+    "BASE",
+    "Assembly",
+    "Inside",
+    "Pieces",
+    "System",
+    "rate_name",
+    "relaxing_name",
+    "spatial_inertia",
+]
 
 Array = npt.NDArray[np.float64]
 
 BASE = -1  # where a link is asked for
+
+
+def relaxing_name(joint: str) -> str:
+    """Return the name of the loss of a drive's part that relaxes, where it is most."""
+    return f"loss relaxing {joint}"
+
+
+def rate_name(joint: str) -> str:
+    """Return the name of the logarithm of where that is, over the reference."""
+    return f"ln rate relaxing {joint}"
 
 
 def spatial_inertia(mass_kg: float | Array, center_m: Array, inertia_kg_m2: Array) -> Array:
@@ -94,6 +114,8 @@ class System:
     stiffness: Array  # (n, n)
     loss: Array  # (n, n): K + h(s) loss, `hysteresis.lost_by_power`
     loss_power: Array  # () of frequency, by which that loss grows: 0 to 1
+    relaxing: Array  # (r, n, n) of each drive: K + z(s) relaxing, `hysteresis.relaxed`
+    relaxing_rad_s: Array  # (r,) where each loses most
     compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
     compliance_loss_s: Array  # (n,)
     compliance_loss_factor: Array  # (n,) beside it, the same at all frequencies
@@ -132,7 +154,7 @@ class System:
         square = np.ix_(coordinates, coordinates)
         matrices = {
             name: getattr(self, name)[..., square[0], square[1]]
-            for name in ("mass", "damping", "stiffness", "loss")
+            for name in ("mass", "damping", "stiffness", "loss", "relaxing")
         }
         rows = {name: getattr(self, name)[..., coordinates] for name in _BY_COORDINATE}
         pieces = {
@@ -210,6 +232,7 @@ class Assembly:
     sensor_mass_kg: float = 0.0  # beside what the file gives
     sensor_mass_of: list[str] = field(default_factory=list)  # parameters that are added to it
     loss_power: float = 0.0  # by which losses of springs grow
+    relaxing_rad_s: dict[str, float] = field(default_factory=dict)  # by kind of term, of each drive
     log_scale: float = 0.0
     delay_s: float = 0.0
     decay_rad_s: float = 0.0
@@ -233,10 +256,16 @@ class Assembly:
                 setattr(found, name, value.copy())
         return found
 
-    def add_spring(self, name: str, column: Array, stiffness: float, damping: float) -> int:
-        """Add a coordinate on a spring."""
-        at = self._add(name, column, np.nan, 0.0)
-        self.terms += [("stiffness", at, at, stiffness), ("damping", at, at, damping)]
+    def add_drive(
+        self, joint: str, column: Array, k: float, c: float, values: Mapping[str, float]
+    ) -> int:
+        """Add a coordinate on a joint's spring and damper."""
+        at = self._add(joint, column, np.nan, 0.0)
+        self.relaxing_rad_s[relaxing_name(joint)] = REFERENCE_RAD_S * float(
+            np.exp(values[rate_name(joint)])
+        )
+        for kind, value in self.drive_terms(joint, k, c, values):
+            self.add_term(kind, at, at, value)
         return at
 
     def add_compliance(
@@ -278,15 +307,21 @@ class Assembly:
         self.factors[joint] = new_k, new_c
         link, rotor = self.names[joint], self.stretched_by.get(joint)
         more_k, more_c = k * (new_k - old_k), c * (new_c - old_c)
-        for kind, more in (
-            ("stiffness", more_k),
-            ("loss", more_k * values[f"loss {joint}"]),
-            ("damping", more_c),
-        ):
+        for kind, more in self.drive_terms(joint, more_k, more_c, values):
             self.add_term(kind, link, link, more)
             if rotor is not None:
                 self.add_term(kind, rotor, rotor, more)
                 self.add_term(kind, rotor, link, -more)
+
+    def drive_terms(
+        self, joint: str, k: float, c: float, values: Mapping[str, float]
+    ) -> list[tuple[str, float]]:
+        """Return kinds of terms and values of a drive's spring and damper, with what k loses."""
+        found = [("stiffness", k), ("damping", c), ("loss", k * values[f"loss {joint}"])]
+        part = values[relaxing_name(joint)]
+        if part:
+            found.append((relaxing_name(joint), k * part))
+        return found
 
     def add_term(
         self,
@@ -298,7 +333,7 @@ class Assembly:
         parameter: str | None = None,
         slope: float = 1.0,
     ) -> None:
-        """Add to "mass", "damping", "stiffness" or "loss" between two coordinates, both ways.
+        """Add to "mass", "damping", "stiffness", "loss" or what relaxes, between two, both ways.
 
         A `parameter` changes it by `slope` a unit.
         """

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.hysteresis import lost_by_power_slope_of_line
+from armodal.analyzer.arm.hysteresis import lost_by_power_slope_of_line, relaxed_slope_of_line
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.line_arrays import of_hits, real_times
 from armodal.analyzer.gap.model.response import Response
@@ -27,6 +27,7 @@ class Change:
     damping: Array | None = None
     stiffness: Array | None = None
     loss: Array | None = None
+    relaxing: Array | None = None
     moved: Array | None = None
     seen: Array | None = None
     tilted: Array | None = None
@@ -63,6 +64,9 @@ def by_change(found: Response, change: Change) -> ComplexArray:
         )
         if matrix is not None
     ]
+    if change.relaxing is not None:
+        for r, weight in enumerate(found.relaxed):
+            loads.append((change.relaxing[:, r, None], weight[:, None, None]))
     if change.sensor_mass_kg is not None:
         more = change.sensor_mass_kg[:, None, None, None]
         loads.append((more * (U.swapaxes(-1, -2) @ U), s2))
@@ -99,6 +103,10 @@ def by_decay(found: Response) -> ComplexArray:
     dZx += real_times(system.damping[:, None], x)
     lost = lost_by_power_slope_of_line(s, system.loss_power).astype(s.dtype)
     dZx += lost[:, None, None] * real_times(system.loss[:, None], x)
+    for r, rate in enumerate(system.relaxing_rad_s.T):
+        if system.relaxing[:, r].any():
+            lost = relaxed_slope_of_line(s, rate).astype(s.dtype)
+            dZx += lost[:, None, None] * real_times(system.relaxing[:, r, None], x)
     moved = real_times(system.moved, x)
     moved *= 2.0 * system.sensor_mass_kg[:, None, None, None] * by_line
     dZx += real_times(system.moved.swapaxes(-1, -2), moved)

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power_slope
-from armodal.analyzer.gap.model.assembly import BASE, Assembly, System
+from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power_slope, relaxed_slope
+from armodal.analyzer.gap.model.assembly import BASE, Assembly, System, rate_name, relaxing_name
 from armodal.analyzer.gap.model.change import Change, by_change, by_decay
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -73,24 +73,30 @@ class Solved:
         yield from self.by_motions()
 
     def by_joints(self) -> Iterator[tuple[str, ComplexArray]]:
-        """Stiffness with its hysteretic part, damping, loss, and how that grows."""
+        """Stiffness with all it loses, damping, losses, how one grows, where another is most."""
         s = self.found.s_rad_s
         turn = self.found.weight("loss")[:, None, None, :]
         by_loss = np.zeros_like(self.found.true_axes)
         by_spring: dict[str, tuple[ComplexArray, ComplexArray]] = {}
-        for i in self.ordinary.elastic:
+        rates = self.found.system.relaxing_rad_s.T
+        for at, i in enumerate(self.ordinary.elastic):
             name = self.ordinary.arm.joints[i].name
             row = np.stack([own.joint_row(name) for own in self.assemblies])
             factors = np.array([own.factors.get(name, (1.0, 1.0)) for own in self.assemblies])
             k, c = (float(np.exp(self.values[f"ln {what} {name}"])) for what in "kc")
             by_stiffness = self.found.by_stretch(row, k * factors[:, :1])
+            part = self.values[relaxing_name(name)]
+            relaxes = self.found.relaxed[at][:, None, None, :]
             by_spring[name] = (
-                (1.0 + self.values[f"loss {name}"] * turn) * by_stiffness,
+                (1.0 + self.values[f"loss {name}"] * turn + part * relaxes) * by_stiffness,
                 self.found.by_stretch(row, c * factors[:, 1:] * s),
             )
             yield f"ln k {name}", by_spring[name][0]
             yield f"ln c {name}", by_spring[name][1]
             yield f"loss {name}", turn * by_stiffness
+            yield relaxing_name(name), relaxes * by_stiffness
+            by_rate = part * relaxed_slope(s, rates[at]).astype(s.dtype)
+            yield rate_name(name), by_rate[:, None, None, :] * by_stiffness
             by_loss += self.values[f"loss {name}"] * by_stiffness
         if all(own.loss_power == self.values[LOSS_POWER] for own in self.assemblies):
             grows = lost_by_power_slope(s, self.found.system.loss_power).astype(s.dtype)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.linalg import lapack
 
-from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power
+from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power, relaxed
 from armodal.analyzer.gap.model.assembly import System
 
 __all__ = ["dynamic_stiffness", "inverses", "resists"]
@@ -23,7 +23,7 @@ _BLOCK = 64  # columns that LAPACK works on at a time
 def dynamic_stiffness(
     system: System, s: ComplexArray, rows: Indices | None = None, columns: Indices | None = None
 ) -> ComplexArray:
-    """Return (P, L, n, n) s^2 M + s C + K + h(s) D, or some rows and columns of it.
+    """Return (P, L, n, n) s^2 M + s C + K + h(s) D + z(s) R, or some rows and columns of it.
 
     Few coordinates have a damper or a loss.
     """
@@ -35,7 +35,10 @@ def dynamic_stiffness(
     Z = (s**2)[..., None, None] * part(system.mass)[:, None]
     Z += part(system.stiffness)[:, None]
     lost = lost_by_power(s, system.loss_power)
-    for weight, matrix in ((s, part(system.damping)), (lost, part(system.loss))):
+    weighed = [(s, part(system.damping)), (lost, part(system.loss))]
+    for r, rate in enumerate(system.relaxing_rad_s.T):
+        weighed.append((relaxed(s, rate), part(system.relaxing[:, r])))
+    for weight, matrix in weighed:
         i, j = np.nonzero(matrix.any(axis=0))
         Z[..., i, j] += weight[..., None] * matrix[:, None, i, j]
     return np.asarray(Z)

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import lost_by_power, relaxed
+from armodal.analyzer.gap.model.assembly import Assembly, relaxing_name
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import PostureGeometry
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -45,6 +47,9 @@ from armodal.analyzer.gap.model.swings import (
     free_turns,
     turns_of,
 )
+from armodal.analyzer.gap.model.swings import (
+    points as solved_at,
+)
 from armodal.analyzer.gap.model.systems import systems
 
 __all__ = ["JointPosture", "joint_postures", "linearised", "linearised_about_each", "swings_of"]
@@ -61,7 +66,7 @@ class JointPosture:
 
     swings: Sequence[Swings]
     geometry: PostureGeometry
-    loss_power: float  # of the drives
+    resists: Mapping[str, ComplexArray]  # (M,) of each, over its stiffness (`swings.points`)
     values: Mapping[str, float]  # of the model
 
     def at(self, values: Mapping[str, float], joint: str) -> JointPosture:
@@ -71,8 +76,7 @@ class JointPosture:
             for own in (self.values, values)
         )
         (swings,) = self.swings
-        loss = self.values[f"loss {joint}"]
-        there = swings.stiffer(new[0] - old[0], new[1] - old[1], loss, self.loss_power)
+        there = swings.stiffer(new[0] - old[0], new[1] - old[1], self.resists[joint])
         return replace(self, swings=(there,), values=values)
 
 
@@ -217,10 +221,17 @@ def joint_postures(
         found[own.name] = JointPosture(
             swings=turns_of(system, rows),
             geometry=assembly.geometry,
-            loss_power=assembly.loss_power,
+            resists={joint: _resists(assembly, values, joint) for joint in joints},
             values=values,
         )
     return found
+
+
+def _resists(assembly: Assembly, values: Mapping[str, float], joint: str) -> ComplexArray:
+    s = solved_at().s_rad_s
+    power, rate = assembly.loss_power, assembly.relaxing_rad_s[relaxing_name(joint)]
+    lost = values[f"loss {joint}"] * lost_by_power(s, np.array(power))
+    return np.asarray(1.0 + lost + values[relaxing_name(joint)] * relaxed(s, np.array(rate)))
 
 
 def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLines]) -> list[_Swung]:

@@ -16,7 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.model.assembly import Assembly, spatial_inertia
+from armodal.analyzer.gap.model.assembly import (
+    Assembly,
+    rate_name,
+    relaxing_name,
+    spatial_inertia,
+)
 from armodal.analyzer.gap.model.base_body import add_base_body, base_body_parameters
 from armodal.analyzer.gap.model.geometry import PostureGeometry, across, skew
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -33,6 +38,8 @@ from armodal.analyzer.gap.model.priors import (
     LOSS_POWER_MEAN,
     LOSS_POWER_STD,
     PLACE_STD_M,
+    RELAXING_MOST_LN_RATE,
+    RELAXING_STD_LN_RATE,
 )
 from armodal.analyzer.gap.model.scales import compliance, doubt, scale
 from armodal.analyzer.gap.model.soft_parts import add_soft_parts, base_lever_m, soft_part_parameters
@@ -226,8 +233,7 @@ class Ordinary:
             column = assembly.unit(superset.joint_column(i))
             if joint.stiffness is not None:
                 k, c = (float(np.exp(values[f"ln {what} {joint.name}"])) for what in "kc")
-                at = assembly.add_spring(joint.name, column, k, c)
-                assembly.add_term("loss", at, at, k * values[f"loss {joint.name}"])
+                assembly.add_drive(joint.name, column, k, c, values)
         assembly.loss_power = values[LOSS_POWER]
         add_soft_parts(assembly, superset, values)
         add_base_body(assembly, values)
@@ -274,16 +280,27 @@ def _parameters(ordinary: Ordinary) -> tuple[Parameter, ...]:
         joint = arm.joints[i]
         found.append(_log(f"ln k {joint.name}", joint.stiffness, LEAST_LN_K_STD))
         found.append(_log(f"ln c {joint.name}", joint.damping, LEAST_LN_C_STD))
+    loss = Parameter(
+        name="",
+        unit="",
+        mean=JOINT_LOSS_MEAN,
+        std=JOINT_LOSS_STD,
+        low=0.0,
+        high=JOINT_LOSS_LIMIT,
+    )
+    elastic = [arm.joints[i].name for i in ordinary.elastic]
+    found += [replace(loss, name=f"loss {joint}") for joint in elastic]
+    found += [replace(loss, name=relaxing_name(joint)) for joint in elastic]
     found += [
         Parameter(
-            name=f"loss {arm.joints[i].name}",
+            name=rate_name(joint),
             unit="",
-            mean=JOINT_LOSS_MEAN,
-            std=JOINT_LOSS_STD,
-            low=0.0,
-            high=JOINT_LOSS_LIMIT,
+            mean=0.0,
+            std=RELAXING_STD_LN_RATE,
+            low=-RELAXING_MOST_LN_RATE,
+            high=RELAXING_MOST_LN_RATE,
         )
-        for i in ordinary.elastic
+        for joint in elastic
     ]
     found.append(
         Parameter(

@@ -42,6 +42,8 @@ __all__ = [
     "LOSS_POWER_MEAN",
     "LOSS_POWER_STD",
     "PLACE_STD_M",
+    "RELAXING_MOST_LN_RATE",
+    "RELAXING_STD_LN_RATE",
     "TURN_MOST",
     "TURN_STD",
 ]
@@ -64,6 +66,11 @@ JOINT_LOSS_MEAN, JOINT_LOSS_STD, JOINT_LOSS_LIMIT = 0.010, 0.015, 0.07
 # first, a dashpot's. No sum of a dashpot and a loss that does not grow both loses and stiffens as
 # one does that grows.
 LOSS_POWER_MEAN, LOSS_POWER_STD = 0.5, 1.0 / math.sqrt(12.0)
+
+# Where a drive's part that relaxes loses most, as a logarithm about the reference: an even draw
+# over a decade either way. Beyond, it is a spring or a dashpot in any band that is measured.
+RELAXING_MOST_LN_RATE = math.log(10.0)
+RELAXING_STD_LN_RATE = RELAXING_MOST_LN_RATE / math.sqrt(3.0)
 
 # Across a joint's axis, as parts of its drive's compliance; more is an effect. No source: assumed.
 # A sound bearing of another gear may well give way more, and would then be named.

@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.hysteresis import lost_by_power
+from armodal.analyzer.arm.hysteresis import lost_by_power, relaxed
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses, resists
 from armodal.analyzer.gap.model.geometry import skew
@@ -176,6 +176,14 @@ class Response:
         if kind == "loss":
             return np.asarray(lost_by_power(s, self.system.loss_power).astype(s.dtype, copy=False))
         return {"mass": s**2, "damping": s, "stiffness": np.ones_like(s)}[kind]
+
+    @cached_property
+    def relaxed(self) -> ComplexArray:
+        """(r, P, L) what each drive's part that relaxes is multiplied by in Z."""
+        s = self.s_rad_s
+        rates = self.system.relaxing_rad_s.T
+        own = [relaxed(s, rate).astype(s.dtype, copy=False) for rate in rates]
+        return np.reshape(own, (len(own), *s.shape))
 
     def by_compliances(self, coordinates: Sequence[int]) -> ComplexArray:
         """Derivatives (k, P, m, 3, L) by the compliances of k of the N coordinates.

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.arm.hysteresis import lost_by_power
 from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
@@ -54,14 +53,12 @@ class Swings:
         """(n_steps, parts, parts) rad/(N m), by a torque in each part of a step (`Steps.of`)."""
         return STEPS.of(self.by_torque[points().steps])
 
-    def stiffer(self, stiffness: float, damping: float, loss: float, power: float) -> Swings:
+    def stiffer(self, stiffness: float, damping: float, resists: ComplexArray) -> Swings:
         """Return the same with so much more in N m/rad and N m s/rad on the joint's spring.
 
-        `loss` is the factor by which its stiffness loses, growing with that power of frequency
-        (`hysteresis.lost_by_power`).
+        `resists` (M,) is what a unit of its stiffness resists by, losses with it.
         """
-        s = points().s_rad_s
-        more = stiffness * (1.0 + loss * lost_by_power(s, np.array(power))) + damping * s
+        more = stiffness * resists + damping * points().s_rad_s
         left = 1.0 / (1.0 + more * self.by_torque)
         return Swings(
             by_force=self.by_force * left[points().lines], by_torque=self.by_torque * left

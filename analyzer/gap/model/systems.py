@@ -99,6 +99,8 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         "stiffness": T.swapaxes(1, 2) @ gravity @ T,
         "loss": np.zeros((P, n, n)),
     }
+    relaxing = np.zeros((len(first.relaxing_rad_s), P, n, n))
+    matrices |= dict(zip(first.relaxing_rad_s, relaxing, strict=True))
     values = np.array([[value for *_, value in own.terms] for own in assemblies])
     for term, (kind, i, j, _) in enumerate(first.terms):
         matrices[kind][:, i, j] += values[:, term]
@@ -114,7 +116,9 @@ def systems(assemblies: Sequence[Assembly]) -> System:
     turned = R @ J[..., 3:, :]
     unmixed = np.broadcast_to(np.eye(3), (where.shape[1], 3, 3))
     return System(
-        **matrices,
+        **{kind: matrices[kind] for kind in ("mass", "damping", "stiffness", "loss")},
+        relaxing=relaxing.swapaxes(0, 1),
+        relaxing_rad_s=np.array([[*own.relaxing_rad_s.values()] for own in assemblies]),
         loss_power=np.array([own.loss_power for own in assemblies]),
         compliance=np.array([own.compliance for own in assemblies]),
         compliance_loss_s=np.array([own.compliance_loss_s for own in assemblies]),

@@ -1,7 +1,12 @@
-"""How a drive loses: a dashpot for most of it, and Maxwell elements that relax at rates of theirs.
+"""How a drive loses: a dashpot for most of it, and relaxations spread evenly over a band of rates.
 
-A Maxwell element, a spring k d in series with a damper, adds k d s / (s + w) and loses most at w;
-below w it gives way, above it is a spring.
+A relaxation at w, a spring in series with a damper, gives way below w and is a spring above it. As
+many of them in every part of an octave between two rates, and none outside, add
+
+    k d ln((1 + s/a) / (1 + s/b)) / ln(b/a)
+
+to a drive of stiffness k at rest: k d where it moves fast (Ferry, Viscoelastic Properties of
+Polymers (1980), chapter 3: a box of relaxation times).
 """
 
 from __future__ import annotations
@@ -19,25 +24,20 @@ LOSS_AT_HZ = 15.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DriveLoss:
-    """A loss factor at `LOSS_AT_HZ`, and what Maxwell elements have of it."""
+    """A dashpot's loss factor at `LOSS_AT_HZ`, and by how much the drive is stiffer when fast."""
 
     factor: float
-    relaxing: tuple[tuple[float, float], ...] = ()  # part of the loss, and where it is most, Hz
+    stiffer: float = 0.0  # than at rest, of its stiffness there
+    band_hz: tuple[float, float] = (1.0, 2.0)  # where it becomes so
 
     def law(self, stiffness: float, more: float = 1.0) -> Law:
-        """Return what a drive adds to its stiffness at rest, its loss multiplied by `more`."""
-        omega = 2.0 * np.pi * LOSS_AT_HZ
-        lost = stiffness * self.factor * more
-        dashpot = lost * (1.0 - sum(part for part, _ in self.relaxing)) / omega
-        springs = [
-            (lost * part * (LOSS_AT_HZ / f_hz + f_hz / LOSS_AT_HZ), 2.0 * np.pi * f_hz)
-            for part, f_hz in self.relaxing
-        ]
+        """Return what a drive adds to its stiffness at rest, its dashpot multiplied by `more`."""
+        dashpot = stiffness * self.factor * more / (2.0 * np.pi * LOSS_AT_HZ)
+        slow, fast = (2.0 * np.pi * f_hz for f_hz in self.band_hz)
+        grown = stiffness * self.stiffer / np.log(fast / slow)
 
         def law(s: Complex) -> Complex:
-            result: Complex = dashpot * s
-            for spring, rate in springs:
-                result = result + spring * s / (s + rate)
-            return result
+            relaxed: Complex = np.log1p(s / slow) - np.log1p(s / fast)
+            return np.asarray(dashpot * s + grown * relaxed)
 
         return law

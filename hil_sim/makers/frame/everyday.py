@@ -38,9 +38,10 @@ SPREAD = np.sqrt(3.0)  # an even draw of one standard deviation reaches so far
 DRIVE_OFF = 0.4  # of ln of the true stiffness from the table's, at most
 SHEET_OFF = 0.15  # of ln of the believed one
 DOUBT: Span = (0.3, 0.5)  # relative std of the believed stiffness
-DRIVE_LOSS: Span = (0.025, 0.09)  # loss factor at `LOSS_AT_HZ`
-RELAXING: Span = (0.0, 0.4)  # part of that loss that Maxwell elements have, two a drive
-RELAXING_LN_HZ: Span = (np.log(3.0), np.log(80.0))
+DRIVE_LOSS: Span = (0.02, 0.08)  # of the dashpot, loss factor at `LOSS_AT_HZ`
+STIFFER: Span = (0.0, 0.11)  # a drive that moves fast than one at rest
+SLOW_LN_HZ: Span = (np.log(1.6), np.log(60.0))  # where it begins to be
+FAST_LN: Span = (np.log(1.4), np.log(15.0))  # over that, where it is
 TILT: Span = (0.001, 0.016)  # compliance of a bearing over its drive's
 TILT_ASKEW: Span = (0.65, 1.5)  # of one tilt's stiffness over the other's
 LEVER_M: Span = (0.04, 0.12)  # root of tilt over shift stiffness, of a bearing
@@ -205,11 +206,11 @@ def _drives(
 
 
 def _loss(streams: Streams) -> DriveLoss:
-    relaxing, first = within(streams("relaxing"), RELAXING), within(streams("first"), (0.0, 1.0))
-    hz = [float(np.exp(within(streams("relaxes", i), RELAXING_LN_HZ))) for i in range(2)]
-    parts = (relaxing * first, relaxing * (1.0 - first))
+    slow = float(np.exp(within(streams("slow"), SLOW_LN_HZ)))
     return DriveLoss(
-        factor=within(streams("loss"), DRIVE_LOSS), relaxing=tuple(zip(parts, hz, strict=True))
+        factor=within(streams("loss"), DRIVE_LOSS),
+        stiffer=within(streams("stiffer"), STIFFER),
+        band_hz=(slow, slow * float(np.exp(within(streams("fast"), FAST_LN)))),
     )
 
 

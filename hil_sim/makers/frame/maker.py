@@ -154,7 +154,8 @@ def _truth(drawn: Everyday, spec: CaseSpec, hidden: list[Hidden]) -> dict[str, A
             "stiffness_n_m_per_rad": drive.stiffness + float(drive.law(told)[0].real),
             "damping_n_m_s_per_rad": loss.factor * drive.stiffness / (2.0 * np.pi * LOSS_AT_HZ),
             "loss_factor": loss.factor,
-            "relaxing": loss.relaxing,
+            "stiffer": loss.stiffer,
+            "band_hz": loss.band_hz,
         }
     return {
         "effects": hidden,

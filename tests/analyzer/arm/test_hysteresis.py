@@ -9,6 +9,9 @@ from armodal.analyzer.arm.hysteresis import (
     lost_by_power,
     lost_by_power_slope,
     lost_by_power_slope_of_line,
+    relaxed,
+    relaxed_slope,
+    relaxed_slope_of_line,
 )
 
 S = (-3.0 + 2j * np.pi * np.geomspace(2.0, 150.0, 9))[None]
@@ -61,3 +64,33 @@ def test_a_loss_by_power_stiffens_as_causality_wants():
     stiffer = 2.0 / np.pi * np.trapezoid(inside, np.log(u))
     real = lost_by_power(1j * np.array([[low, high]]), power).real[0]
     assert stiffer == pytest.approx(np.diff(real)[0], rel=1e-3)
+
+
+RATES = np.array([0.1, 0.7, 1.0, 5.0]) * REFERENCE_RAD_S
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_what_relaxes_loses_most_at_its_rate_and_adds_two_in_all(rate):
+    s = 1j * rate * np.array([[0.5, 1.0, 2.0]])
+    assert np.argmax(relaxed(s, np.array([rate])).imag) == 1
+    assert relaxed(s, np.array([rate])).imag[0, 1] == pytest.approx(1.0, rel=1e-12)
+    still, fast = relaxed(np.array([[0j, 1e9j * rate]]), np.array([rate]))[0]
+    assert (fast - still).real == pytest.approx(2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_what_relaxes_adds_no_stiffness_at_the_reference(rate):
+    there = relaxed(np.array([[1j * REFERENCE_RAD_S]]), np.array([rate]))
+    assert there.real == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_slopes_of_what_relaxes_are_those_of_differences(rate):
+    at, step = np.array([rate]), 1e-5
+    ends = (relaxed(S, at * np.exp(own)) for own in (step, -step))
+    by_rate = np.subtract(*ends) / (2.0 * step)
+    # A step's square, and rounding over the step.
+    assert relaxed_slope(S, at) == pytest.approx(by_rate, rel=1e-8, abs=1e-10)
+    near = 1e-3
+    by_line = (relaxed(S + near, at) - relaxed(S - near, at)) / (2.0 * near)
+    assert relaxed_slope_of_line(S, at) == pytest.approx(by_line, rel=1e-8, abs=1e-11)

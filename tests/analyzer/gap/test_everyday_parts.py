@@ -7,6 +7,7 @@ import pytest
 from support.bench_effects import instance_of, start_of
 
 from armodal.analyzer.arm.hysteresis import REFERENCE_RAD_S
+from armodal.analyzer.gap.model.assembly import rate_name, relaxing_name
 from armodal.analyzer.gap.model.base_body import BASE_MASS_NAME
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import LOSS_POWER
@@ -56,6 +57,26 @@ def test_a_loss_that_grows_as_fast_as_frequency_is_a_dashpot(posed, lines, null)
         dashpots[f"ln c {name}"] = float(np.log(c + 0.05 * k / REFERENCE_RAD_S))
     found = posed.values(null, lines, values)
     assert found == pytest.approx(posed.values(null, lines, dashpots), rel=EXACT)
+
+
+def test_a_drive_that_relaxes_at_once_is_stiffer_and_one_that_never_does_is_damped(
+    posed, lines, null
+):
+    """By 2 zeta, less what it has at the reference, and by a dashpot of 2 zeta k / w."""
+    part, ratio = 0.05, 1e4  # the rate over the reference: what is left falls with it
+    joint = null.ordinary.arm.joints[null.ordinary.elastic[0]].name
+    start = {**start_of(null), f"loss {joint}": 0.0}
+    k, c = (np.exp(start[f"ln {what} {joint}"]) for what in "kc")
+    slow = start | {relaxing_name(joint): part, rate_name(joint): -np.log(ratio)}
+    # At the reference all of it is there: what is added beyond is nothing.
+    found = posed.values(null, lines, slow)
+    assert found == pytest.approx(posed.values(null, lines, start), rel=1e-2)
+    fast = start | {relaxing_name(joint): part, rate_name(joint): np.log(ratio)}
+    damped = start | {
+        f"ln c {joint}": float(np.log(c + 2.0 * part * k / (ratio * REFERENCE_RAD_S)))
+    }
+    found = posed.values(null, lines, fast)
+    assert found == pytest.approx(posed.values(null, lines, damped), rel=1e-4)
 
 
 def test_hysteretic_drives_lose_alike_at_all_frequencies(posed, lines, null, ordinary):

@@ -1,25 +1,39 @@
-"""Drives of the frame: a dashpot and Maxwell elements."""
+"""Drives of the frame: a dashpot, and relaxations over a band."""
 
 import numpy as np
 import pytest
 
 from armodal.hil_sim.makers.frame.drive_loss import LOSS_AT_HZ, DriveLoss
 
-LOSS = DriveLoss(factor=0.06, relaxing=((0.25, 5.0), (0.1, 60.0)))
+LOSS = DriveLoss(factor=0.06, stiffer=0.08, band_hz=(5.0, 60.0))
 K = 2e4
 
 
-def test_it_loses_what_it_says_where_it_says():
-    at = LOSS.law(K)(2j * np.pi * np.array([LOSS_AT_HZ]))[0]
-    assert at.imag == pytest.approx(0.06 * K, rel=1e-12)
-    assert LOSS.law(K, 1.5)(2j * np.pi * np.array([LOSS_AT_HZ]))[0] == pytest.approx(1.5 * at)
+def test_its_dashpot_loses_what_it_says_where_it_says():
+    s = 2j * np.pi * np.array([LOSS_AT_HZ])
+    dashpot = DriveLoss(factor=0.06).law(K)(s)
+    assert dashpot == pytest.approx(0.06j * K, rel=1e-12)
+    assert LOSS.law(K, 1.5)(s) - LOSS.law(K)(s) == pytest.approx(0.5 * dashpot, rel=1e-12)
 
 
-def test_at_rest_it_adds_nothing_and_is_stiffer_the_faster_it_moves():
+def test_it_is_a_sum_of_relaxations_that_are_as_many_in_every_part_of_an_octave():
+    s = 2j * np.pi * np.geomspace(0.5, 400.0, 25)
+    edges = 2.0 * np.pi * np.geomspace(5.0, 60.0, 2001)
+    rates = np.sqrt(edges[1:] * edges[:-1])
+    each = 0.08 * K / len(rates)
+    relaxed = np.sum(each * s[:, None] / (s[:, None] + rates), axis=1)
+    dashpot = 0.06 * K * s / (2.0 * np.pi * LOSS_AT_HZ)
+    # Two thousand steps of a sum for an integral: their error falls with the square.
+    assert LOSS.law(K)(s) == pytest.approx(dashpot + relaxed, rel=1e-6)
+
+
+def test_at_rest_it_adds_nothing_and_fast_what_it_says():
     assert LOSS.law(K)(np.array([0j])) == pytest.approx(0.0)
-    law = LOSS.law(K)(2j * np.pi * np.geomspace(0.1, 500.0, 30))
+    law = LOSS.law(K)(2j * np.pi * np.geomspace(0.1, 1e5, 30))
     assert np.all(np.diff(law.real) > 0.0)
     assert np.all(law.imag > 0.0)
+    # At 1e5 Hz 60 Hz are slow: what is left falls with the square of their ratio.
+    assert law.real[-1] == pytest.approx(0.08 * K, rel=1e-6)
 
 
 def test_no_power_of_frequency_is_its_loss():
