@@ -90,13 +90,16 @@ class Nearby:
         middle, sharp = (self._races[stage] for stage in self._stages[-2:])
         present = self._base[-2].hypothesis
         near: list[Fit] = []
-        for instance, beginnings in self._beginnings[:LEADING]:
+        for place, (instance, beginnings) in enumerate(self._beginnings[:LEADING]):
             richer = replace(present, instances=(*present.instances, instance))
-            # What promises most may lead back to none, and the next one not.
+            # What promises most may lead back to none, and the next one not. What leads is begun
+            # anyway: middle lines promise less than sharp ones keep.
             begun = [
                 begin
                 for number, (gain, begin) in enumerate(beginnings[:LEADING])
-                if gain > LOOK and is_begun(instance, gain) and self._is_new(instance.key, number)
+                if gain > LOOK
+                and (place == number == 0 or is_begun(instance, gain))
+                and self._is_new(instance.key, number)
             ]
             near += [middle.to_its_end(middle.fit(richer, start=b)) for b in begun]
         return [sharp.fit(fit.hypothesis, resumed=fit) for fit in hopeful(near)]

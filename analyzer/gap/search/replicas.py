@@ -76,8 +76,8 @@ def replica_gains(
         Effects it does not have.
     """
     kept = tuple(i for i in best.hypothesis.instances if all(i is not a for a in added))
-    # A wider prior is in the values; what exchanges channels or points has no parameter at all.
-    firm = tuple(replace(i, relaxes={}) for i in added if i.parameters or not i.relaxes)
+    # A wider prior is in the values; what an effect does beside it stays.
+    firm = tuple(replace(i, relaxes={}) for i in added)
     new = tuple(small(i) for i in others if i.parameters and not i.relaxes)
     wide = replace(best.hypothesis, instances=(*kept, *firm, *new))
     space = wide.space()

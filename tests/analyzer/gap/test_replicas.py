@@ -150,11 +150,19 @@ def test_what_has_no_column_has_no_gains_and_disturbs_none():
     np.testing.assert_array_equal(found.replicas, alone.replicas)
 
 
-def test_a_rival_without_parameters_is_part_of_what_its_replicas_are_drawn_of(monkeypatch, linear):
-    """Points that were exchanged are no error of the model that knows it."""
-    exchanged = Instance(effect=SimpleNamespace(name="exchanged"), place="test 1")
+@pytest.mark.parametrize(
+    "rival",
+    [
+        Instance(effect=SimpleNamespace(name="exchanged"), place="test 1"),
+        replace(LOOSE, builder=lambda assembly, values: None),
+    ],
+)
+def test_a_rival_without_parameters_is_part_of_what_its_replicas_are_drawn_of(
+    monkeypatch, linear, rival
+):
+    """Points that were exchanged are no error of the model that knows it, nor how losses grow."""
     of_null = null()
-    hypothesis = replace(of_null.hypothesis, instances=(exchanged,))
+    hypothesis = replace(of_null.hypothesis, instances=(rival,))
     best = made_fit(hypothesis, cost=1.0, space=of_null.space, u=np.zeros(len(of_null.space)))
     looked = []
 
@@ -163,5 +171,7 @@ def test_a_rival_without_parameters_is_part_of_what_its_replicas_are_drawn_of(mo
         return [replace(p, raw=p.raw[: len(space)], clean=p.clean[: len(space)]) for p in linear]
 
     monkeypatch.setattr(replicas, "sensitivities", seen)
-    replica_gains(None, best, [exchanged], [EITHER_WAY])
-    assert exchanged.key in [instance.key for instance in looked[0]]
+    replica_gains(None, best, [rival], [EITHER_WAY])
+    kept = next(instance for instance in looked[0] if instance.key == rival.key)
+    assert kept.builder is rival.builder
+    assert not kept.relaxes  # its own prior is what a replica has not
