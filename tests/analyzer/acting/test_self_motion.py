@@ -58,7 +58,8 @@ def test_it_is_the_same_curve_from_any_of_its_postures():
     within = np.nanmax(np.abs(np.diff(along))) / first.best.along_n_per_m[0]
     assert second.best.along_n_per_m == pytest.approx(first.best.along_n_per_m, rel=within)
     assert first.best.along_n_per_m[0] >= first.given.along_n_per_m[0]
-    assert first.best.along_n_per_m[0] == np.nanmax(along)
+    # Solved alone and among others: rounding.
+    assert first.best.along_n_per_m[0] == pytest.approx(np.nanmax(along), rel=1e-12)
 
 
 def test_a_closed_motion_is_followed_once():
