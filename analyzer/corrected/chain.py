@@ -16,8 +16,9 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.correction import Correction
 from armodal.analyzer.corrected.posture import assembly_at, coordinate_names, stand
-from armodal.analyzer.gap.model.assembly import Assembly, Pieces
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import Instance
+from armodal.analyzer.gap.model.system import Pieces
 from armodal.protocols.errors import ArmError
 
 __all__ = ["LOCKED", "Chain", "Element", "chain_of"]

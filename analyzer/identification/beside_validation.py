@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from armodal.analyzer.gap.inference.compare import match_modes, poles_and_shapes
 from armodal.analyzer.gap.inference.fit import Fit
-from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.lines import Annealing, PostureLines, own_lines, shifted_lines
 from armodal.analyzer.gap.model.posed import PosedModel
+from armodal.analyzer.gap.model.system import System
 from armodal.analyzer.identification.beside_ordinary import BesideOrdinary
 from armodal.analyzer.identification.records import ValidationResult
 from armodal.analyzer.modal import ModalModel

@@ -18,7 +18,7 @@ from armodal.analyzer.arm.hysteresis import (
     relaxed_slope_of_line,
 )
 from armodal.analyzer.gap.inference.fit import Fit, Stage
-from armodal.analyzer.gap.model.assembly import System
+from armodal.analyzer.gap.model.system import System
 from armodal.analyzer.gap.records import Disagreement, ModeMatch, PostureGap
 from armodal.analyzer.modal.correlation import mac
 from armodal.analyzer.modal.modes import ModalModel

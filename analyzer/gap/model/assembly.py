@@ -13,9 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -28,8 +27,6 @@ __all__ = [
     "BASE",
     "Assembly",
     "Inside",
-    "Pieces",
-    "System",
     "rate_name",
     "relaxing_name",
     "spatial_inertia",
@@ -67,31 +64,6 @@ def spatial_inertia(mass_kg: float | Array, center_m: Array, inertia_kg_m2: Arra
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pieces:
-    """A link's mass in P pieces along a line, each moving by itself."""
-
-    shares: Array  # (P,) of the mass
-    offsets_m: Array  # (P, 3) of each centre from the link's; their mean by mass is zero
-    motion: Array  # (P, 6, n); stacked, with postures before
-
-    def split(self, inertia: Array) -> Array:
-        """(P, 6, 6) spatial inertias of the pieces: together they are the link's.
-
-        Linear in the link's: what the offsets add to the tensor, the pieces themselves have less.
-        """
-        mass = inertia[0, 0]
-        moment = inertia[3:, :3]  # the cross product with the first moment
-        apart = [skew(offset) for offset in self.offsets_m]
-        spread = -mass * np.sum([w * o @ o for w, o in zip(self.shares, apart, strict=True)], 0)
-        found = np.tile(inertia, (len(apart), 1, 1))
-        for piece, o in zip(found, apart, strict=True):
-            piece[3:, :3] += mass * o
-            piece[:3, 3:] -= mass * o
-            piece[3:, 3:] -= moment @ o + o @ moment + mass * o @ o + spread
-        return np.asarray(self.shares[:, None, None] * found)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Inside:
     """How a coordinate inside a link moves what is on that link; what is beyond moves whole."""
 
@@ -100,83 +72,6 @@ class Inside:
     points: npt.NDArray[np.int64]  # (k,) that do not move whole
     part: Array  # (k,) of it that each turns by
     shift_m: Array  # (k, 3) to where each turns about, as the hinge is from there; sensor axes
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class System:
-    """What of a hypothesis in one posture does not depend on frequency; n coordinates.
-
-    Stacked (`analyzer.gap.model.systems`): of P postures, the first axis of every array.
-    """
-
-    mass: Array  # (n, n) without the accelerometer
-    damping: Array  # (n, n)
-    stiffness: Array  # (n, n)
-    loss: Array  # (n, n): K + h(s) loss, `hysteresis.lost_by_power`
-    loss_power: Array  # () of frequency, by which that loss grows: 0 to 1
-    relaxing: Array  # (r, n, n) of each drive: K + z(s) relaxing, `hysteresis.relaxed`
-    relaxing_rad_s: Array  # (r,) where each loses most
-    compliance: Array  # (n,) rad/(N m) or m/N; NaN for a coordinate on a spring
-    compliance_loss_s: Array  # (n,)
-    compliance_loss_factor: Array  # (n,) beside it, the same at all frequencies
-    link_motion: Array  # (n_links, 6, n)
-    base_motion: Array  # (6, n)
-    pieces: dict[int, Pieces]  # of links that give way along their length
-    moved: Array  # (m, 3, n) the sensor's motion in base
-    seen: Array  # (m, 3, n) the sensor's motion along its axes
-    tilted: Array  # (m, 3, n) what gravity adds on them
-    turned: Array  # (m, 3, n) the sensor's rotation along them
-    mix: Array  # (m, 3, 3) from true axes to recorded channels
-    hit: Array  # (n_hits, 3, n) motion of the hit places in base
-    hit_turned: Array  # (n_hits, 3, n) rotation there
-    force: Array  # (n_hits, 3)
-    log_scale: Array  # () of all responses
-    delay_s: Array  # () of the responses behind the force
-    sensor_mass_kg: Array  # ()
-    decay_rad_s: Array  # () by which all records fall that nobody wrote down
-
-    def alone(self, posture: int) -> System:
-        """Return one of stacked systems, without their axis."""
-        found: dict[str, Any] = {
-            f.name: getattr(self, f.name)[posture] for f in fields(self) if f.name != "pieces"
-        }
-        pieces = {
-            link: replace(own, motion=own.motion[posture]) for link, own in self.pieces.items()
-        }
-        return System(**found, pieces=pieces)
-
-    def moving(self) -> npt.NDArray[np.int64]:
-        """Return the coordinates that are not locked in every posture; stacked."""
-        return np.flatnonzero((self.compliance != 0.0).any(axis=0))
-
-    def among(self, coordinates: npt.NDArray[np.int64]) -> System:
-        """Return the system with some of its coordinates alone, the others locked."""
-        square = np.ix_(coordinates, coordinates)
-        matrices = {
-            name: getattr(self, name)[..., square[0], square[1]]
-            for name in ("mass", "damping", "stiffness", "loss", "relaxing")
-        }
-        rows = {name: getattr(self, name)[..., coordinates] for name in _BY_COORDINATE}
-        pieces = {
-            link: replace(own, motion=own.motion[..., coordinates])
-            for link, own in self.pieces.items()
-        }
-        return replace(self, **matrices, **rows, pieces=pieces)
-
-
-_BY_COORDINATE = (  # arrays of a system whose last axis are its coordinates
-    "compliance",
-    "compliance_loss_s",
-    "compliance_loss_factor",
-    "link_motion",
-    "base_motion",
-    "moved",
-    "seen",
-    "tilted",
-    "turned",
-    "hit",
-    "hit_turned",
-)
 
 
 @dataclass

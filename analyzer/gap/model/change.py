@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import lost_by_power_slope_of_line, relaxed_slope_of_line
-from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.line_arrays import of_hits, real_times
 from armodal.analyzer.gap.model.response import Response
+from armodal.analyzer.gap.model.system import System
 
 __all__ = ["Change", "by_change", "by_decay"]
 

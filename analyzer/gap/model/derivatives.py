@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power_slope, relaxed_slope
-from armodal.analyzer.gap.model.assembly import BASE, Assembly, System, rate_name, relaxing_name
+from armodal.analyzer.gap.model.assembly import BASE, Assembly, rate_name, relaxing_name
 from armodal.analyzer.gap.model.change import Change, by_change, by_decay
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, across, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
@@ -23,6 +23,7 @@ from armodal.analyzer.gap.model.motion_derivatives import by_motion, by_slopes
 from armodal.analyzer.gap.model.ordinary import LOSS_POWER, Ordinary
 from armodal.analyzer.gap.model.response import Response
 from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.model.system import System
 from armodal.analyzer.gap.model.systems import (
     MotionSlopes,
     Slopes,

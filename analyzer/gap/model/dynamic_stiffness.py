@@ -9,7 +9,7 @@ import numpy.typing as npt
 from scipy.linalg import lapack
 
 from armodal.analyzer.arm.hysteresis import hysteresis, lost_by_power, relaxed
-from armodal.analyzer.gap.model.assembly import System
+from armodal.analyzer.gap.model.system import System
 
 __all__ = ["dynamic_stiffness", "inverses", "resists"]
 

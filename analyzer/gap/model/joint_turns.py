@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.assembly import Assembly, System
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.derivatives import Solved
 from armodal.analyzer.gap.model.line_arrays import real_times, recorded
 from armodal.analyzer.gap.model.response import Response
+from armodal.analyzer.gap.model.system import System
 from armodal.analyzer.gap.model.systems import MotionSlopes, Slopes, systems
 
 __all__ = ["SolvedTurns", "holding_back", "turned_systems"]

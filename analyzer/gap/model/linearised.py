@@ -45,10 +45,8 @@ from armodal.analyzer.gap.model.swings import (
     Swings,
     forces_of,
     free_turns,
+    points,
     turns_of,
-)
-from armodal.analyzer.gap.model.swings import (
-    points as solved_at,
 )
 from armodal.analyzer.gap.model.systems import systems
 
@@ -228,7 +226,7 @@ def joint_postures(
 
 
 def _resists(assembly: Assembly, values: Mapping[str, float], joint: str) -> ComplexArray:
-    s = solved_at().s_rad_s
+    s = points().s_rad_s
     power, rate = assembly.loss_power, assembly.relaxing_rad_s[relaxing_name(joint)]
     lost = values[f"loss {joint}"] * lost_by_power(s, np.array(power))
     return np.asarray(1.0 + lost + values[relaxing_name(joint)] * relaxed(s, np.array(rate)))
@@ -244,29 +242,29 @@ def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLine
     order = sorted(range(len(lines)), key=lambda p: names.index(lines[p].name))
     by_steps: list[Array] = []
     free, groups, elements, counts = [], [], [], []
-    for postures, points in cases:
+    for postures, every in cases:
         before = len(by_steps)
         by_steps += [postures[name].swings[0].by_steps for name in names]
         for p in order:
             own, posture = lines[p], postures[lines[p].name]
             turns = free_turns(posture.swings[0], own.hit, forces_of(own.peaks_n, own.width_s))
-            for point in points:
+            for point in every:
                 free.append(turns)
                 elements.append(law.element(point, law.load_n_m(posture.geometry)))
                 counts.append(len(turns))
-            groups += [before + names.index(own.name)] * len(turns) * len(points)
+            groups += [before + names.index(own.name)] * len(turns) * len(every)
     with np.errstate(over="ignore", invalid="ignore"):
         turns, torques = march(
             np.stack(by_steps), np.array(groups), np.concatenate(free), stacked(elements, counts)
         )
     swung: list[_Swung] = []
     begin = 0
-    for _, points in cases:
+    for _, every in cases:
         found: dict[int, tuple[Array, Array]] = {}
         for p in order:
             m = len(lines[p].peaks_n)
-            end = begin + m * len(points)
-            shape = (len(points), m, -1)
+            end = begin + m * len(every)
+            shape = (len(every), m, -1)
             found[p] = turns[begin:end].reshape(shape), torques[begin:end].reshape(shape)
             begin = end
         swung.append([found[p] for p in range(len(lines))])

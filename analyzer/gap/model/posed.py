@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.model.assembly import Assembly, System
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.derivatives import Solved
 from armodal.analyzer.gap.model.geometry import GeometryNear, GeometrySlopes, PostureGeometry
@@ -26,6 +26,7 @@ from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.response import Response, respond
 from armodal.analyzer.gap.model.space import Space
+from armodal.analyzer.gap.model.system import System
 from armodal.analyzer.gap.model.systems import stacked_slopes, systems
 
 __all__ = ["PosedModel", "Postures"]

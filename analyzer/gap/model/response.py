@@ -34,7 +34,6 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import lost_by_power, relaxed
-from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, inverses, resists
 from armodal.analyzer.gap.model.geometry import skew
 from armodal.analyzer.gap.model.line_arrays import (
@@ -45,6 +44,7 @@ from armodal.analyzer.gap.model.line_arrays import (
     real_times,
     recorded,
 )
+from armodal.analyzer.gap.model.system import System
 
 __all__ = ["Response", "respond"]
 
@@ -107,7 +107,7 @@ class Response:
         names = [f.name for f in fields(self) if f.name not in kept]
         names += [] if self.added is None else ["added"]
         own: dict[str, Any] = {name: as_single(getattr(self, name)) for name in names}
-        return replace(self, system=_in_single(self.system), **own)
+        return replace(self, system=self.system.in_single(), **own)
 
     @cached_property
     def resists(self) -> ComplexArray:
@@ -343,16 +343,6 @@ class Response:
         mix = self.system.mix
         turns = (mix @ skew(axis).astype(mix.dtype) for axis in np.eye(3))
         return np.stack([-real_times(rows, turn) for rows in turns])
-
-
-def _in_single(system: System) -> System:
-    arrays = (f.name for f in fields(system) if f.name != "pieces")
-    pieces = {
-        link: replace(own, motion=as_single(own.motion)) for link, own in system.pieces.items()
-    }
-    return replace(
-        system, pieces=pieces, **{name: as_single(getattr(system, name)) for name in arrays}
-    )
 
 
 def _hit_forces(system: System) -> Array:

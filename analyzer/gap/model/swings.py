@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.assembly import System
 from armodal.analyzer.gap.model.dynamic_stiffness import dynamic_stiffness, resists
 from armodal.analyzer.gap.model.impulses import WIDTH_OF_SINE
 from armodal.analyzer.gap.model.steps import STEPS
+from armodal.analyzer.gap.model.system import System
 
 __all__ = [
     "SIGMA_RAD_S",

@@ -8,8 +8,9 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.assembly import Assembly, Inside, Pieces, System
+from armodal.analyzer.gap.model.assembly import Assembly, Inside
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, skew
+from armodal.analyzer.gap.model.system import Pieces, System
 
 __all__ = [
     "MotionSlopes",

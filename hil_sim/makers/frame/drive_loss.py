@@ -5,8 +5,8 @@ many of them in every part of an octave between two rates, and none outside, add
 
     k d ln((1 + s/a) / (1 + s/b)) / ln(b/a)
 
-to a drive of stiffness k at rest: k d where it moves fast (Ferry, Viscoelastic Properties of
-Polymers (1980), chapter 3: a box of relaxation times).
+to a drive of stiffness k at rest: k d where it moves fast (Fung, Biomechanics (1981), section 7.6:
+a spectrum of c / tau between two times).
 """
 
 from __future__ import annotations

@@ -13,11 +13,12 @@ from armodal.analyzer.gap.effects.load_damping import gravity_load
 from armodal.analyzer.gap.effects.nonproportional import FLOOR
 from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.library import all_instances
-from armodal.analyzer.gap.model.assembly import Pieces, spatial_inertia
+from armodal.analyzer.gap.model.assembly import spatial_inertia
 from armodal.analyzer.gap.model.geometry import GeometryNear, skew
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links, span_m
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.system import Pieces
 from armodal.analyzer.gap.search.candidates import goes_with
 from armodal.hil_sim.study import study_arm
 from armodal.protocols.arm.files import load_arm

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from armodal.analyzer.gap.model.assembly import Pieces
 from armodal.analyzer.gap.model.spread import apart
+from armodal.analyzer.gap.model.system import Pieces
 from armodal.protocols.arm.records import InertialLink
 
 SHARES = np.array([1, 2, 2, 1]) / 6.0
