@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy
 
 from armodal.analyzer.arm.hysteresis import hysteresis
-from armodal.analyzer.corrected.posture import CorrectedPosture
+from armodal.analyzer.corrected.posture import CorrectedPosture, OtherLoss
 from armodal.protocols.errors import EstimateError
 
 __all__ = ["CorrectedModes", "corrected_modes"]
@@ -48,8 +48,8 @@ def corrected_modes(
     """Poles and shapes of a posture: the lowest `n_modes` of those below a frequency.
 
     Without a loss factor the poles are eigenvalues of the state matrix (Ewins, Modal Testing, 2nd
-    ed. (2000), Eq. (2.91)). With one the equations are solved at each pole's own h(s), again and
-    again until it stays where it is.
+    ed. (2000), Eq. (2.91)). With one the equations are solved with each pole's own losses, again
+    and again until it stays where it is.
 
     Raises
     ------
@@ -57,14 +57,14 @@ def corrected_modes(
         If nothing oscillates, the arm falls, or a pole does not settle.
     """
     own = _in_modes(posture)
-    poles, vectors = _solved(own, 0.0)
+    poles, vectors = _solved(own, np.zeros_like(own.damping))
     if not poles.size:
         raise EstimateError(
             "no mode of the arm oscillates in this posture; check stiffness and damping in its file"
         )
     heard = np.flatnonzero(np.abs(poles) < 2.0 * np.pi * below_hz)[:n_modes]
     poles, vectors = poles[heard], vectors[:, heard]
-    if own.loss.any() and poles.size:
+    if (own.loss.any() or own.other_losses) and poles.size:
         found = [_settled(own, *mode) for mode in zip(poles, vectors.T, strict=True)]
         poles = np.array([pole for pole, _ in found])
         vectors = np.stack([shape for _, shape in found], axis=1)
@@ -81,7 +81,16 @@ class _InModes:
     omega_rad_s: Array  # (m,)
     damping: Array  # (m, m)
     loss: Array  # (m, m)
+    other_losses: tuple[OtherLoss, ...]
     shape: Array  # (n, m)
+
+    def adds(self, s: complex) -> ComplexArray:
+        """Return (m, m) what all losses add to the stiffness at s."""
+        at = np.array([[s]])
+        added = hysteresis(at)[0, 0] * self.loss
+        for other in self.other_losses:
+            added = added + other.law(at)[0, 0] * other.matrix
+        return np.asarray(added)
 
 
 def _in_modes(posture: CorrectedPosture) -> _InModes:
@@ -98,6 +107,9 @@ def _in_modes(posture: CorrectedPosture) -> _InModes:
         omega_rad_s=omega,
         damping=shape.T @ posture.damping @ shape,
         loss=shape.T @ posture.loss @ shape,
+        other_losses=tuple(
+            replace(other, matrix=shape.T @ other.matrix @ shape) for other in posture.other_losses
+        ),
         shape=shape,
     )
 
@@ -105,7 +117,7 @@ def _in_modes(posture: CorrectedPosture) -> _InModes:
 def _settled(own: _InModes, pole: complex, shape: ComplexArray) -> tuple[complex, ComplexArray]:
     """Pole and shape of the mode that has this shape: frequencies may pass each other."""
     for _ in range(_MOST_STEPS):
-        poles, vectors = _solved(own, complex(hysteresis(np.array(pole))))
+        poles, vectors = _solved(own, own.adds(pole))
         alike = np.abs(shape.conj() @ vectors) / np.linalg.norm(vectors, axis=0)
         at = int(np.argmax(alike))
         before, pole, shape = pole, complex(poles[at]), vectors[:, at]
@@ -117,10 +129,12 @@ def _settled(own: _InModes, pole: complex, shape: ComplexArray) -> tuple[complex
     )
 
 
-def _solved(own: _InModes, h: complex) -> tuple[ComplexArray, ComplexArray]:
-    """Poles and modal vectors (n, m) at one h(s); the state is (omega y, y'), well scaled."""
+def _solved(
+    own: _InModes, added: npt.NDArray[np.inexact[Any]]
+) -> tuple[ComplexArray, ComplexArray]:
+    """Poles and modal vectors (n, m), something added to K; the state is (omega y, y')."""
     omega = own.omega_rad_s
-    spring = np.diag(omega) + h * own.loss / omega if h else np.diag(omega)
+    spring = np.diag(omega) + added / omega
     state = np.block([[np.zeros_like(own.damping), np.diag(omega)], [-spring, -own.damping]])
     poles, vectors = scipy.linalg.eig(state)
     size = np.abs(poles)

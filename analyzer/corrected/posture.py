@@ -1,27 +1,35 @@
 """Equations of motion of a corrected arm in a posture, and how its points and its tool move.
 
-    (s^2 M + s C + K + h(s) L) x = J' f ,    h(s) = (2 / pi) ln(s / (2 pi 30 Hz)) ,
+    (s^2 M + s C + K + h(s) L + sum_j l_j(s) L_j) x = J' f ,  h(s) = (2/pi) ln(s / (2 pi 30 Hz)) ,
 
 with L the stiffness times its loss factor (`docs/decisions/0007-loss-is-causal.md`). A
-coordinate with a compliance gamma has the stiffness 1 / gamma and the damping tau / gamma.
+coordinate with a compliance gamma has the stiffness 1 / gamma and the damping tau / gamma. The
+losses l_j of another law are those of a session's fit, whose drives' loss grows with a power of
+frequency and has a part that relaxes (`analyzer.arm.hysteresis`); an arm file has none.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.hysteresis import lost_by_power, relaxed
 from armodal.analyzer.corrected.correction import Correction
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.system import System
 from armodal.analyzer.gap.model.systems import systems
 from armodal.protocols.arm.records import Arm
 
 __all__ = [
     "CorrectedPosture",
+    "OtherLoss",
     "Stand",
     "assembly_at",
     "coordinate_names",
@@ -30,8 +38,17 @@ __all__ = [
 ]
 
 Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
 _LOCKED = 1e-11  # rad/(N m) or m/N: a millionth of what a joint gives way by
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OtherLoss:
+    """A loss whose factor is not alike at all frequencies."""
+
+    matrix: Array  # (n, n): stiffness times loss factor where that is told
+    law: Callable[[ComplexArray], ComplexArray]  # of s (1, L), what a unit of it adds to K
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +60,7 @@ class CorrectedPosture:
     damping: Array  # (n, n)
     stiffness: Array  # (n, n), gravity's included
     loss: Array  # (n, n): stiffness times loss factor
+    other_losses: tuple[OtherLoss, ...] = ()
     point_linear: Array  # (n_points, 3, n)
     tool_jacobian: Array  # (6, n) of the tool point
     tool_m: Array  # (3,)
@@ -116,16 +134,34 @@ def corrected_posture(
     R, p = at.T_base_last[:3, :3], at.T_base_last[:3, 3]
     local, tool = system.link_motion[-1][:, gives], np.asarray(tool_m, dtype=np.float64)
     linear = local[:3] - skew(tool) @ local[3:]
+    grows = system.loss_power > 0.0
+    alike = np.zeros_like(system.loss) if grows else system.loss
     return CorrectedPosture(
         names=tuple(name_of[column] for column in np.flatnonzero(gives)),
         mass=system.mass[chosen],
         damping=system.damping[chosen] + np.diag(k * system.compliance_loss_s[gives]),
         stiffness=system.stiffness[chosen] + np.diag(k),
-        loss=system.loss[chosen] + np.diag(k * system.compliance_loss_factor[gives]),
+        loss=alike[chosen] + np.diag(k * system.compliance_loss_factor[gives]),
+        other_losses=_other_losses(system, chosen, grows=bool(grows)),
         point_linear=system.moved[..., gives],
         tool_jacobian=np.vstack([R @ linear, R @ local[3:]]),
         tool_m=R @ tool + p,
     )
+
+
+def _other_losses(
+    system: System, chosen: tuple[npt.NDArray[np.bool_], ...], *, grows: bool
+) -> tuple[OtherLoss, ...]:
+    """Losses of drives beside what is alike at all frequencies, those that are not zero."""
+    laws: list[tuple[Array, Callable[[ComplexArray], ComplexArray]]] = []
+    if grows:
+        laws.append((system.loss, partial(lost_by_power, power=system.loss_power[None])))
+    laws += [
+        (matrix, partial(relaxed, rate_rad_s=rate[None]))
+        for matrix, rate in zip(system.relaxing, system.relaxing_rad_s, strict=True)
+    ]
+    found = (OtherLoss(matrix=matrix[chosen], law=law) for matrix, law in laws)
+    return tuple(loss for loss in found if loss.matrix.any())
 
 
 def coordinate_names(assembly: Assembly) -> list[str]:
