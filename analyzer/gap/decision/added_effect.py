@@ -62,7 +62,9 @@ def with_step(
     notes += [
         f"{i.title} was taken out again: beside the others it is no longer clear" for i in gone
     ]
-    return fitted, [step for step in every if step.fit.last not in gone]
+    # By what an effect is: its law may have been worked out again since it was named.
+    keys = {instance.key for instance in gone}
+    return fitted, [step for step in every if step.fit.last.key not in keys]
 
 
 def _begun_again(stages: Sequence[Stage], fit: Fit, begin: Mapping[str, float]) -> Fit:

@@ -37,7 +37,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         """Let no loss grow with frequency."""
         del values
-        assembly.loss_power = 0.0
+        assembly.loss_power, assembly.loss_power_is_free = 0.0, False
 
     names = [f"loss {ordinary.arm.joints[i].name}" for i in ordinary.elastic]
     wide = Parameter(name="", unit="", mean=0.0, std=_STD, low=0.0, high=_MOST, start=_START)

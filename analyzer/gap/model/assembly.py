@@ -127,6 +127,7 @@ class Assembly:
     sensor_mass_kg: float = 0.0  # beside what the file gives
     sensor_mass_of: list[str] = field(default_factory=list)  # parameters that are added to it
     loss_power: float = 0.0  # by which losses of springs grow
+    loss_power_is_free: bool = True  # it is the ordinary parameter's; else an effect holds it
     relaxing_rad_s: dict[str, float] = field(default_factory=dict)  # by kind of term, of each drive
     log_scale: float = 0.0
     delay_s: float = 0.0

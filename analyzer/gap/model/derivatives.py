@@ -99,7 +99,7 @@ class Solved:
             by_rate = part * relaxed_slope(s, rates[at]).astype(s.dtype)
             yield rate_name(name), by_rate[:, None, None, :] * by_stiffness
             by_loss += self.values[f"loss {name}"] * by_stiffness
-        if all(own.loss_power == self.values[LOSS_POWER] for own in self.assemblies):
+        if all(own.loss_power_is_free for own in self.assemblies):
             grows = lost_by_power_slope(s, self.found.system.loss_power).astype(s.dtype)
             yield LOSS_POWER, grows[:, None, None, :] * by_loss
         for parameter, (name, _, _) in self.assemblies[0].log_slopes.items():

@@ -54,7 +54,9 @@ class Apart:
     """Soft and hard hits, kept apart."""
 
     stages: tuple[Stage, ...]  # but the widest, weighed anew
-    gain: float  # nats of cost that a common change of one joint with the level promises
+    # Nats of cost that a common change of one joint with the level promises; infinite where the
+    # model has a law.
+    gain: float
     swings: tuple[tuple[str, float, float], ...]  # of each joint (`linearised.swings_of`)
 
 
@@ -81,12 +83,14 @@ def told_apart(
 
     Returns
     -------
-    None where a common change of one joint with the level promises too little to tell anything.
+    None where a common change of one joint with the level promises too little to tell anything,
+    and the model has no law.
     """
     broad, middle = level_apart(1), level_apart(2)
     fit = fit_hypothesis(broad, present, start=start, closing=False)
     fit = fit_hypothesis(middle, present, start=fit.values)
-    gain = changes_with_level(middle, fit)[0].gain
+    # A law of the arm file follows the level: what is asked is whether it follows it rightly.
+    gain = np.inf if present.level_dependent else changes_with_level(middle, fit)[0].gain
     if gain < LOOK:
         return None
     free = any_level(middle, present, fit.values)

@@ -14,6 +14,7 @@ from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.effects import base, link_axis, released_joint, sensor_axes
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.joint_laws import Linearised
 from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.model.space import Parameter, Space
 from armodal.analyzer.gap.search import rivals
@@ -139,8 +140,14 @@ def test_a_name_alone_never_begins_again(plain):
     assert fit is ended
 
 
+@pytest.mark.parametrize(
+    "named_about", [None, Linearised(values={}, table={})], ids=["effect", "law"]
+)
 @pytest.mark.parametrize(("gain", "is_kept"), [(0.9, False), (1.1, True)])
-def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_kept, monkeypatch):
+def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(
+    gain, is_kept, named_about, monkeypatch
+):
+    """A law is worked out about other values in every fit, and stays the same effect."""
     notes = []
 
     def fitted(stage, hypothesis, **_):
@@ -148,10 +155,10 @@ def test_an_effect_that_a_later_one_made_unneeded_is_taken_out_again(gain, is_ke
 
     monkeypatch.setattr(added_effect, "fit_hypothesis", fitted)
     one, two = (Instance(effect=made_words(name, title=name), place="") for name in ("one", "two"))
-    earlier = [step_to(fit_of(one))]
+    earlier = [step_to(fit_of(replace(one, about=named_about)))]
     fit, named = with_step(STAGES, earlier, step_to(fit_of(one, two)), {}, notes)
     assert fit.hypothesis.instances == ((one, two) if is_kept else (two,))
-    assert [step.fit.last for step in named] == ([one, two] if is_kept else [two])
+    assert [step.fit.last.key for step in named] == ([one.key, two.key] if is_kept else [two.key])
     assert notes == (
         [] if is_kept else ["one was taken out again: beside the others it is no longer clear"]
     )

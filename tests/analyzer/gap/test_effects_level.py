@@ -11,7 +11,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import backlash, friction, microslip, softening
 from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Stage
-from armodal.analyzer.gap.library import all_instances, names_of_laws
+from armodal.analyzer.gap.library import all_instances, described, names_of_laws
 from armodal.analyzer.gap.model.hit_levels import has_levels, middle_level, weight_factors
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import Annealing, own_lines
@@ -100,7 +100,7 @@ def linear():
     return small_case(3001, "rv4frl", ladder=True).session()
 
 
-def told(session):
+def told(session, *instances):
     """Stages of soft and of hard hits, or None, from the two broader of them."""
     superset = Superset(session.header.arm)
     stages = []
@@ -110,13 +110,23 @@ def told(session):
         stages.append(Stage(superset, lines, Discrepancy()))
     names = tuple(dict.fromkeys(lines.name for lines in stages[0].lines))
     levelled = Ordinary(superset=superset, postures=names, level_span=stages[0].lines[1].level)
-    present = Hypothesis(ordinary=levelled)
+    present = Hypothesis(ordinary=levelled, instances=instances)
     stage_of = {1: stages[0], 2: stages[1], 3: stages[1]}.__getitem__
     return told_apart(superset, stage_of, present, {}, Discrepancy())
 
 
 def test_a_plain_arm_s_soft_and_hard_hits_are_not_told_apart(linear):
     assert told(linear) is None
+
+
+def test_with_a_law_of_the_arm_file_they_are_told_apart_though_they_are_alike(linear):
+    joint = linear.header.arm.joints[1].name
+    known = {"joint": joint, "swing_rad": SWING_RAD, "rate_rad_s": RATE_RAD_S}
+    plain = Ordinary(superset=Superset(linear.header.arm), postures=())
+    of_file = described(plain, "softening", known)
+    found = told(linear, of_file)
+    assert found is not None
+    assert np.isinf(found.gain)  # no look at a change of level is taken beside a law
 
 
 def test_friction_s_are_and_weigh_more_once_it_is_known_what_follows_the_level():

@@ -84,6 +84,11 @@ def test_hysteretic_drives_lose_alike_at_all_frequencies(posed, lines, null, ord
     grown, still = (lossy(null, 0.1, power) for power in (0.7, 0.0))
     found = posed.values(hysteretic, lines, grown)
     assert found == pytest.approx(posed.values(null, lines, still), rel=EXACT)
+    # Also where the power is none by itself.
+    for power in (0.7, 0.0):
+        space = hysteretic.space()
+        _, dy = posed.derivatives(hysteretic, lines, space, lossy(null, 0.1, power))
+        assert not dy[space.index[LOSS_POWER]].any()
     apart = posed.values(null, lines, grown) - found
     assert np.linalg.norm(apart) > 0.01 * np.linalg.norm(found)
 
