@@ -13,7 +13,7 @@ from armodal.analyzer.checks.decision import ADEQUATE, CLEARLY_BETTER, RIVAL_WIT
 from armodal.analyzer.checks.hit_aim import aim_patterns
 from armodal.analyzer.checks.records import Finding, Outcome
 from armodal.analyzer.checks.rigid_design import Assembly, rigid_design
-from armodal.analyzer.checks.rigid_link import RigidLinkResult, rigid_link
+from armodal.analyzer.checks.rigid_link import RigidLinkResult, named_fault, rigid_link
 from armodal.analyzer.checks.rigid_statistics import OrdinaryErrors, statistics
 from armodal.analyzer.modal.noise import independent_line_share
 from armodal.analyzer.modal.windows import laplace_lines
@@ -153,8 +153,8 @@ def _unless_elsewhere(
     if narrow is None or wide.finding.outcome is not Outcome.FAULT:
         return wide
     if _is_best(narrow, wide):
-        beside = set(wide.finding.points) - set(narrow.finding.points)
-        return replace(wide, finding=wide.first) if beside - set(wide.first.points) else wide
+        is_told = len(wide.named) == 1 or wide.named <= narrow.named
+        return wide if is_told else replace(wide, finding=wide.first)
     said = f"perhaps {wide.finding.text}, but not by lines up to {top_hz:.0f} Hz: an arm that"
     return _in_doubt(wide, f"{said} bends, or the sensor's mass, may look so; measure it again")
 
@@ -180,11 +180,10 @@ def _is_best(result: RigidLinkResult, named: RigidLinkResult) -> bool:
     """
     null = next(c for c in result.candidates if c.fault is None)
     best, wanted = result.candidates[0], named.candidates[0]
-    if best.continuous and abs(best.size - wanted.size) > SURE * best.std:
+    if best.name != wanted.name and named_fault(named.measured, wanted) not in result.named:
         return False
-    if best.name != wanted.name and (
-        result.finding.fault is None or set(result.finding.points) != set(named.finding.points)
-    ):
+    is_size = best.name == wanted.name and best.continuous and wanted.continuous
+    if is_size and abs(best.size - wanted.size) > SURE * best.std:
         return False
     return (null.cost - best.cost) / result.scale > RIVAL_WITHIN
 
@@ -213,6 +212,7 @@ def _too_few(posture: str) -> RigidLinkResult:
     return RigidLinkResult(
         finding=finding,
         first=finding,
+        named=frozenset(),
         measured=(),
         candidates=(),
         residual_per_dof=float("nan"),

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.checks.candidates import Candidate, discrete, relaxed
 from armodal.analyzer.checks.decision import combined_finding, decide
-from armodal.analyzer.checks.records import Finding
+from armodal.analyzer.checks.records import Fault, Finding, Outcome
 from armodal.analyzer.checks.rigid_design import RigidDesign
 from armodal.analyzer.checks.rigid_statistics import (
     OrdinaryErrors,
@@ -26,9 +26,10 @@ from armodal.analyzer.checks.rigid_statistics import (
 from armodal.analyzer.checks.sensor_hypotheses import Hypothesis, hypotheses
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["RigidLinkResult", "rigid_link"]
+__all__ = ["NamedFault", "RigidLinkResult", "named_fault", "rigid_link"]
 
 Array = npt.NDArray[np.float64]
+NamedFault = tuple[Fault | None, tuple[str, ...]]  # at these points; none: in the roving sensor
 
 POINTS_TO_PLACE = 3  # on a link, before one of them is said to be displaced
 FITTED = 32  # discrete hypotheses that survive the screen
@@ -43,6 +44,7 @@ class RigidLinkResult:
 
     finding: Finding
     first: Finding  # without what was found beside it
+    named: frozenset[NamedFault]  # all faults that the finding names: one, or two at once
     measured: tuple[str, ...]
     candidates: tuple[Candidate, ...]
     residual_per_dof: float
@@ -95,6 +97,7 @@ def rigid_link(
     scale = max(1.0, per_dof)
     decision = decide(posture, measured, found, dof, constraints, gain_std)
     finding = decision.finding
+    named = {named_fault(measured, found[0])} if finding.outcome is Outcome.FAULT else set()
     if decision.undo is not None and sat_at is None:
         first = decision.undo
         h = next(h for h in all_hypotheses if (h.text, h.at) == (first.text, first.at))
@@ -109,15 +112,23 @@ def rigid_link(
         rest = rigid_link(posture, measured, undone, design, errors, sat_at=where)
         finding = combined_finding(finding, rest.finding, measured, first)
         per_dof = min(per_dof, rest.residual_per_dof)
+        if rest.finding.outcome is Outcome.FAULT:
+            named = {named_fault(measured, first), *rest.named}
     return RigidLinkResult(
         finding=finding,
         first=decision.finding,
+        named=frozenset(named),
         measured=measured,
         candidates=tuple(found),
         residual_per_dof=per_dof,
         faint=decision.faint,
         scale=scale,
     )
+
+
+def named_fault(measured: tuple[str, ...], c: Candidate) -> NamedFault:
+    """Return a candidate's fault with the names of its points."""
+    return c.fault, () if c.everywhere else tuple(measured[p] for p in c.at)
 
 
 def _screen(stats: RigidStatistics, design: RigidDesign, all_: tuple[Hypothesis, ...]) -> Array:

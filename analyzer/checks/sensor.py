@@ -17,7 +17,7 @@ from armodal.analyzer.checks.decision import CLEARLY_BETTER, CONTINUOUS_BAR, RIV
 from armodal.analyzer.checks.records import Fault, Finding, Outcome
 from armodal.analyzer.checks.rigid_link import RigidLinkResult
 
-__all__ = ["in_every_band", "sensor_verdict"]
+__all__ = ["sensor_verdict"]
 
 LEAST_IN_EACH = 8.0  # of twice the log likelihood ratio, in two postures at least
 AGREE = 0.5  # sizes of a gain in two postures differ by less than this part of their sum
@@ -45,11 +45,20 @@ class _Total:
     short: float  # by how much other faults explain single postures better, summed
 
 
-def sensor_verdict(results: Sequence[RigidLinkResult]) -> Finding:
+def sensor_verdict(
+    results: Sequence[RigidLinkResult], narrower: Iterable[Sequence[RigidLinkResult]] = ()
+) -> Finding:
     """One finding over all postures.
 
     A fault that one posture alone names, while others do not have it, is said to be of that
-    posture: of a mounting there.
+    posture: of a mounting there. One that all postures name only together must lead in every band.
+    A wrong sensor is wrong at every frequency; what bends, gives way in a bearing or moves with the
+    sensor's own mass is not.
+
+    Parameters
+    ----------
+    narrower
+        Of each narrower band, the results of all postures; asked for where they are needed.
     """
     usable = [r for r in results if r.candidates]
     faults = [r.finding for r in usable if r.finding.outcome is Outcome.FAULT]
@@ -58,7 +67,13 @@ def sensor_verdict(results: Sequence[RigidLinkResult]) -> Finding:
         return _of(faults, f"{faults[0].text} (in {_postures(faults)})")
     clear = _clear(usable)
     if clear:
-        return _together(clear)
+        together = _together(clear)
+        elsewhere = together.outcome is Outcome.FAULT and not _leads(together, narrower)
+        if not elsewhere:
+            return together
+        if not faults:
+            text = f"perhaps {together.text}, but not by lines of every band; measure it again"
+            return _say(Outcome.CANNOT_TELL, text)
     if len(alike) == 1:
         return _of(faults, f"{faults[0].text}, in {_postures(faults)} only")
     if faults:
@@ -67,29 +82,15 @@ def sensor_verdict(results: Sequence[RigidLinkResult]) -> Finding:
     return _without_fault(usable)
 
 
-def in_every_band(finding: Finding, narrower: Iterable[Sequence[RigidLinkResult]]) -> Finding:
-    """Return a fault over all postures if all of them together lead to it in every band.
-
-    A wrong sensor is wrong at every frequency; what bends, gives way in a bearing or moves with
-    the sensor's own mass is not.
-
-    Parameters
-    ----------
-    narrower
-        Of each narrower band, the results of all postures.
-    """
-    if finding.outcome is not Outcome.FAULT:
-        return finding
+def _leads(finding: Finding, narrower: Iterable[Sequence[RigidLinkResult]]) -> bool:
+    """Whether all postures together lead to a fault in every band that can be judged."""
+    named = finding.fault, finding.points, finding.everywhere
     for results in narrower:
-        best = _leading([r for r in results if r.candidates])
-        if best is None or (best.fault, best.points, best.everywhere) != (
-            finding.fault,
-            finding.points,
-            finding.everywhere,
-        ):
-            text = f"perhaps {finding.text}, but not by lines of every band; measure it again"
-            return _say(Outcome.CANNOT_TELL, text)
-    return finding
+        usable = [r for r in results if r.candidates]
+        best = _leading(usable)
+        if usable and (best is None or (best.fault, best.points, best.everywhere) != named):
+            return False
+    return True
 
 
 def _leading(results: Sequence[RigidLinkResult]) -> _Named | None:

@@ -16,7 +16,7 @@ from armodal.analyzer.checks.links import TOPS_HZ, check_links, no_links
 from armodal.analyzer.checks.reciprocity import reciprocity
 from armodal.analyzer.checks.records import Finding
 from armodal.analyzer.checks.rigid_link import RigidLinkResult
-from armodal.analyzer.checks.sensor import in_every_band, sensor_verdict
+from armodal.analyzer.checks.sensor import sensor_verdict
 from armodal.analyzer.modal import ModalModel, convert_form, fit_modes, hit_frfs, hit_spectra
 from armodal.analyzer.modal.windows import laplace_lines
 from armodal.protocols.errors import EstimateError
@@ -82,7 +82,7 @@ def check_session(
         found += reciprocity([frf])
         found.append(drift_finding(frf.posture, model))
     narrower = ([check(below_hz=top) for check in check_again] for top in TOPS_HZ[1:])
-    return (*found, in_every_band(sensor_verdict(links), narrower))
+    return (*found, sensor_verdict(links, narrower))
 
 
 def _single_hits(

@@ -157,8 +157,13 @@ def test_a_gain_too_faint_for_one_posture_is_named_by_all_together(measured):
     broken = mixed(session, gains(z=1.18), ("6",))
     results = [links(broken, superset, at=at) for at in range(3)]
     assert not [r for r in results if r.finding.outcome is Outcome.FAULT]
-    finding = sensor_verdict(results)
-    assert (finding.fault, finding.points) == (Fault.GAIN, ("6",)), finding.text
+    unusable = [replace(r, candidates=()) for r in results]  # too few lines in a narrow band
+    for bands in ([], [results], [unusable]):
+        finding = sensor_verdict(results, bands)
+        assert (finding.fault, finding.points) == (Fault.GAIN, ("6",)), finding.text
+    elsewhere = sensor_verdict(results, [results, [faulty(None, None)] * 3])
+    assert elsewhere.outcome is Outcome.CANNOT_TELL
+    assert "every band" in elsewhere.text
 
 
 def test_the_sensor_is_judged_over_all_postures():
@@ -168,7 +173,8 @@ def test_the_sensor_is_judged_over_all_postures():
     assert sensor_verdict([good, good]).outcome is Outcome.GOOD
     assert sensor_verdict([swapped, swapped]).everywhere
     assert sensor_verdict([swapped, loud]).outcome is Outcome.CANNOT_TELL
-    assert "only" in sensor_verdict([loud, good]).text
+    # What one posture alone names, others do not have in any band either.
+    assert "only" in sensor_verdict([loud, good], [[loud, good]]).text
     assert sensor_verdict([]).outcome is Outcome.CANNOT_TELL
     unnamed = replace(good.finding, outcome=Outcome.CANNOT_TELL, text="something is wrong")
     assert sensor_verdict([good, replace(good, finding=unnamed)]).outcome is Outcome.CANNOT_TELL
