@@ -49,6 +49,7 @@ _RIGID = 1e-6  # of a compliance's prior: moves nothing
 class AxisBeside:
     """An axis in a link, in the link's frame, with one standard deviation of each."""
 
+    link: str
     k_n_m_per_rad: float
     k_std: float
     direction_link: Array  # (3,) unit
@@ -69,14 +70,11 @@ class BesideOrdinary:
         Where the effects of the arm file begin.
     fit
         On the sharp lines.
-    has_axis
-        Whether an axis was added.
     """
 
     stages: tuple[Stage, ...]
     start: Mapping[str, float]
     fit: Fit
-    has_axis: bool = False
 
     @cached_property
     def calibration(self) -> Calibration:
@@ -123,7 +121,7 @@ class BesideOrdinary:
         begin |= {**self.start, instance.size: 1.0 / k}
         richer = replace(present, instances=(*present.instances, instance))
         fit = annealed(self.stages, richer, begin)[-1]
-        return BesideOrdinary(stages=self.stages, start=begin, fit=fit, has_axis=True)
+        return BesideOrdinary(stages=self.stages, start=begin, fit=fit)
 
     def settled(self) -> BesideOrdinary:
         """Return it with what mountings have of their own as this fit foretells it."""
@@ -147,16 +145,18 @@ class BesideOrdinary:
             result[name] = float(k), float(k * std)
         return result
 
-    def axis(self) -> AxisBeside | None:
-        """Return the axis that was added, if any."""
-        if not self.has_axis:
-            return None
-        instance = self.fit.last
+    def axes(self) -> tuple[AxisBeside, ...]:
+        """Return the axes in links, those of the arm file and one that was added."""
+        instances = self.fit.hypothesis.instances
+        return tuple(self._axis(i) for i in instances if i.effect == link_axis.WORDS)
+
+    def _axis(self, instance: Instance) -> AxisBeside:
         told = intervals(self.fit, (instance.size, *instance.begins_at), self.inflation)
         size = told[instance.size]
         moved = [told[name] for name in instance.begins_at]
         line = {} if instance.describe is None else instance.describe(self.fit.values)
         return AxisBeside(
+            link=instance.place,
             k_n_m_per_rad=1.0 / size.value,
             k_std=size.std / size.value**2,
             direction_link=np.array(line["direction"]),
@@ -198,7 +198,8 @@ def fit_beside_ordinary(session: Session, frfs: tuple[FrequencyResponse, ...]) -
     )
     check_data_requirements(fitted)
     superset = Superset(session.header.arm)
-    stages = annealing_stages(superset, fitted, frfs if fitted.hits else fitted.frfs)
+    lines_of = frfs if fitted.hits else fitted.frfs
+    stages = annealing_stages(superset, fitted, lines_of, band_of=frfs)
     ordinary = ordinary_of((fitted,), superset, stages[-1].lines)
     instances, start = instances_of_file(ordinary)
     stages, near = with_places(stages, Hypothesis(ordinary=ordinary, instances=instances), start)

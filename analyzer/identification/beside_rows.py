@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from armodal.analyzer.gap.outcome import notes_on_its_end
-from armodal.analyzer.identification.beside_ordinary import BesideOrdinary
+from armodal.analyzer.identification.beside_ordinary import AxisBeside, BesideOrdinary
 from armodal.analyzer.identification.records import AxisResult, Explained, JointResult
 from armodal.analyzer.screws import line_sense
 
@@ -38,25 +38,24 @@ def joints_beside(
 def axes_beside(
     rows: tuple[AxisResult, ...], beside: BesideOrdinary | None
 ) -> tuple[AxisResult, ...]:
-    """Return the axis as it is beside what else gives way, where one was added to that.
+    """Return axes as they are beside what else gives way, those of the arm file too.
 
-    Its modes' Mozzi axes stay beside the axis of joints alone, whose modes they are set beside.
+    Their modes' Mozzi axes stay beside the axes of joints alone, whose modes they are set beside.
     """
-    axis = None if beside is None else beside.axis()
-    if axis is None:
-        return rows
-    return tuple(
-        replace(
-            row,
-            direction_link=line_sense(axis.direction_link),
-            point_link_m=axis.point_link_m,
-            direction_std_deg=float(np.rad2deg(axis.turned_rad)),
-            point_std_m=axis.shifted_m,
-            k_n_m_per_rad=axis.k_n_m_per_rad,
-            k_std=row.k_std * axis.k_n_m_per_rad / row.k_alone_n_m_per_rad,
-            k_std_model=axis.k_std,
-        )
-        for row in rows
+    found = {} if beside is None else {axis.link: axis for axis in beside.axes()}
+    return tuple(_axis_beside(row, found[row.link]) if row.link in found else row for row in rows)
+
+
+def _axis_beside(row: AxisResult, axis: AxisBeside) -> AxisResult:
+    return replace(
+        row,
+        direction_link=line_sense(axis.direction_link),
+        point_link_m=axis.point_link_m,
+        direction_std_deg=float(np.rad2deg(axis.turned_rad)),
+        point_std_m=axis.shifted_m,
+        k_n_m_per_rad=axis.k_n_m_per_rad,
+        k_std=row.k_std * axis.k_n_m_per_rad / row.k_alone_n_m_per_rad,
+        k_std_model=axis.k_std,
     )
 
 

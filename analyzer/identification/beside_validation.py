@@ -32,6 +32,11 @@ def validation_beside(
     """Foretell the modes of a posture below the fitted lines' end, beside measured ones.
 
     The sensor's mass is shared among the points it was mounted on.
+
+    Raises
+    ------
+    EstimateError
+        If the posture's records have no lines in the fitted band, or a point lacks an axis.
     """
     lines = _lines(beside, session, frf)
     known = beside.fit.values | {f"aim {side} {lines.name}": 0.0 for side in "ab"}
@@ -49,7 +54,8 @@ def validation_beside(
     poles = poles[np.abs(poles) < end]
     drawn = [_followed(poles, poles_and_shapes(system(v))[0]) for v in _draws(beside)]
     f_std, damping_std = (np.std(of(np.array(drawn)), axis=0, ddof=1) for of in (_hz, _ratio))
-    pairs = {match.model_hz: match for match in match_modes(measured, base)}
+    points = [point.id for point in beside.fit.hypothesis.ordinary.arm.points]
+    pairs = {match.model_hz: match for match in match_modes(measured, base, lines, points)}
     by_f = {mode.f_hz: mode for mode in measured.modes}
     results = []
     for i, (f_hz, ratio) in enumerate(zip(_hz(poles), _ratio(poles), strict=True)):

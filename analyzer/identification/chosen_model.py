@@ -25,8 +25,8 @@ __all__ = ["ChosenModel", "choose_model", "coarse_data"]
 
 SEARCH_STRIDE = 4  # lines skipped while axes are searched
 _NO_AXIS = (
-    "no structural axis was sought: bearings, links and base that give way as in any sound arm "
-    "leave nothing that speaks for one"
+    "no structural axis was sought: beside all that may be off in any sound arm nothing speaks for "
+    "one"
 )
 
 

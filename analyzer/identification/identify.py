@@ -10,6 +10,7 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import held_arm
 from armodal.analyzer.identification.axis_results import axis_results
+from armodal.analyzer.identification.beside_ordinary import BesideOrdinary
 from armodal.analyzer.identification.beside_rows import (
     axes_beside,
     joints_beside,
@@ -25,6 +26,7 @@ from armodal.analyzer.identification.model_error import model_error_std, model_m
 from armodal.analyzer.identification.prediction import predict_modes, roving_mass
 from armodal.analyzer.identification.records import (
     Identification,
+    ValidationResult,
 )
 from armodal.analyzer.identification.result_rows import (
     UNEXPLAINED,
@@ -50,6 +52,10 @@ __all__ = ["estimate_frfs", "identify"]
 
 Array = npt.NDArray[np.float64]
 
+_LOADED = (
+    "left out, since a known mass is bolted on there, which `armodal identify` does not weigh; "
+    "`armodal gap` does"
+)
 BAND_ABOVE = 1.5  # the model is fitted up to this multiple of the highest fitted mode
 
 
@@ -99,12 +105,15 @@ def identify(
     frfs = estimate_frfs(session, superset, band_hz=band_hz)
     if band_hz is not None:
         frfs = tuple(lines_within(frf, band_hz) for frf in frfs)
+    loaded = {p.name for p in session.header.plan.postures if p.known_mass is not None}
+    left_out = [frf.posture for frf in frfs if frf.posture in loaded]
+    frfs = tuple(frf for frf in frfs if frf.posture not in loaded)
     fitted = tuple(frf for frf in frfs if frf.posture not in validation)
     held_out = tuple(frf for frf in frfs if frf.posture in validation)
     if not fitted:
         raise EstimateError(
-            "wanted at least one posture that is not for validation, with accepted hits; "
-            "the session has none; measure one"
+            "wanted at least one posture with accepted hits that is not for validation and has no "
+            "known mass bolted on; the session has none; measure one"
         )
     unknown = by_hand.keys() - {frf.posture for frf in frfs}
     if unknown:
@@ -143,6 +152,9 @@ def identify(
     ]
     held_out_models = tuple(_modes(frf, by_hand.get(frf.posture), bands) for frf in held_out)
     checked = _measured(superset, held_out, held_out_models)
+    foretold = [
+        _foretold(beside, session, *of) for of in zip(held_out, held_out_models, strict=True)
+    ]
     by_posture = {frf.posture: p for frf, p in zip(frfs, predictions, strict=True)}
     fit_predictions = [by_posture[frf.posture] for frf in fitted]
     # Where the joints alone explain the motion, a low share is the sensor's mass or noise.
@@ -159,12 +171,8 @@ def identify(
         modes=mode_results(fitted, measured, shares, fit_predictions, beyond_joints),
         validation=tuple(
             result
-            for frf, m, own in zip(held_out, checked, held_out_models, strict=True)
-            for result in (
-                validation_results(frf, m, by_posture[frf.posture])
-                if beside is None
-                else validation_beside(beside, session, frf, own)
-            )
+            for frf, m, (own, _) in zip(held_out, checked, foretold, strict=True)
+            for result in own or validation_results(frf, m, by_posture[frf.posture])
         ),
         rivals=chosen.rivals,
         fit=fit,
@@ -173,6 +181,8 @@ def identify(
         frfs=fitted + held_out,
         notes=(
             *(f"posture {name}: modes from poles picked by hand" for name in by_hand),
+            *(f"posture {name}: {_LOADED}" for name in left_out),
+            *(note for _, notes in foretold for note in notes),
             *ready.notes,
             *chosen.notes,
             *(note for _, said in proposed.values() for note in said),
@@ -184,6 +194,18 @@ def identify(
             *fit_notes(fit, fitted, shares, notes_beside(chosen.explained, beside)),
         ),
     )
+
+
+def _foretold(
+    beside: BesideOrdinary | None, session: Session, frf: FrequencyResponse, own: ModalModel
+) -> tuple[list[ValidationResult], tuple[str, ...]]:
+    """Modes foretold beside what is ordinary; none where joints alone have to, and why they do."""
+    if beside is None:
+        return [], ()
+    try:
+        return validation_beside(beside, session, frf, own), ()
+    except EstimateError as problem:
+        return [], (f"posture {frf.posture}: foretold by joints alone, since {problem}",)
 
 
 def _modes(

@@ -64,6 +64,7 @@ def annealing_stages(
     models: Sequence[PosedModel] = (),
     level_about: float | None = None,
     only: Sequence[int] = EVERY_STAGE,
+    band_of: Sequence[FrequencyResponse] | None = None,
 ) -> tuple[Stage, ...]:
     """Return the widest, broad, middle and sharp lines of every posture with known angles.
 
@@ -77,6 +78,9 @@ def annealing_stages(
         Soft and hard hits apart, their levels about this (`hit_levels.middle_level`).
     only
         Which of the four.
+    band_of
+        FRFs that give the band instead: `frfs` cut to what is to be fitted, since lines are best
+        made of whole ones.
 
     Raises
     ------
@@ -89,7 +93,7 @@ def annealing_stages(
             f"wanted joint angles for at least {FEWEST_POSTURES} postures, got {len(known)}; "
             "measure with the controller's angles on the bus"
         )
-    band = _band_hz(superset, known)
+    band = _band_hz(superset, known if band_of is None else band_of)
     made: list[Stage] = []
     for sigma_hz, step_hz, step_by_level_hz in (_STAGES[i] for i in only):
         step = step_hz if level_about is None else step_by_level_hz

@@ -18,6 +18,7 @@ from armodal.analyzer.arm.hysteresis import (
     relaxed_slope_of_line,
 )
 from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.system import System
 from armodal.analyzer.gap.records import Disagreement, ModeMatch, PostureGap
 from armodal.analyzer.modal.correlation import mac
@@ -55,7 +56,12 @@ def posture_gap(
     modes = (
         ()
         if measured is None
-        else match_modes(measured, model.system(fit.hypothesis, lines, fit.values))
+        else match_modes(
+            measured,
+            model.system(fit.hypothesis, lines, fit.values),
+            lines,
+            [point.id for point in fit.hypothesis.ordinary.arm.points],
+        )
     )
     return PostureGap(
         posture=lines.title,
@@ -66,21 +72,25 @@ def posture_gap(
     )
 
 
-def match_modes(measured: ModalModel, system: System) -> tuple[ModeMatch, ...]:
+def match_modes(
+    measured: ModalModel, system: System, lines: PostureLines, points: Sequence[str]
+) -> tuple[ModeMatch, ...]:
     """Return measured modes beside the model's, each model mode used once, best MAC first.
 
     Close modes are compared as a subspace: a measured shape is set beside its projection on the
     model's shapes within the band around it.
+
+    Parameters
+    ----------
+    lines, points
+        Of the posture, which say where it was measured; ids of the arm's points, in order.
     """
     poles, shapes = poles_and_shapes(system)
-    rows = system.seen.reshape(-1, system.mass.shape[0])
+    measured_shapes, rows = _where_measured(measured, system, lines, points)
     seen = rows @ shapes
     pairs = []
-    for i, mode in enumerate(measured.modes):
+    for i, (mode, shape) in enumerate(zip(measured.modes, measured_shapes, strict=True)):
         f = abs(mode.pole_rad_s) / (2.0 * np.pi)
-        shape = np.asarray(mode.shape).reshape(-1)
-        if shape.size != seen.shape[0]:
-            return ()
         near = np.flatnonzero(np.abs(np.abs(poles) / (2.0 * np.pi) - f) < _NEAR * f)
         if near.size == 0:
             continue
@@ -108,6 +118,26 @@ def match_modes(measured: ModalModel, system: System) -> tuple[ModeMatch, ...]:
             )
         )
     return tuple(sorted(found, key=lambda m: m.measured_hz))
+
+
+def _where_measured(
+    measured: ModalModel, system: System, lines: PostureLines, points: Sequence[str]
+) -> tuple[list[ComplexArray], Array]:
+    """Shapes (n_dofs,) of the measured modes, and the motion (n_dofs, n) there of each coordinate.
+
+    With a roving hammer that is where it hit: by reciprocity a mode's participation is its shape
+    along the hits.
+    """
+    if lines.hammer_roves:
+        dofs, at, motion = measured.references, lines.hit_point, system.hit
+        all_shapes = [np.asarray(mode.participation) for mode in measured.modes]
+    else:
+        dofs, at, motion = measured.responses, lines.sensor_point, system.moved
+        all_shapes = [np.asarray(mode.shape) for mode in measured.modes]
+    motion_of = {points[p]: own for p, own in zip(at.tolist(), motion, strict=True)}
+    known = [i for i, dof in enumerate(dofs) if dof.point in motion_of]
+    rows = [dofs[i].direction @ motion_of[dofs[i].point] for i in known]
+    return [shape[known] for shape in all_shapes], np.array(rows).reshape(len(rows), -1)
 
 
 def poles_and_shapes(system: System) -> tuple[ComplexArray, ComplexArray]:

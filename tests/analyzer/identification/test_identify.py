@@ -6,13 +6,16 @@ from support.offline_lab import simulate_session
 
 from armodal.analyzer.arm.inertia import moments_about_joints
 from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.inference.annealing import annealing_stages
 from armodal.analyzer.identification.identify import estimate_frfs, identify
 from armodal.analyzer.identification.structural import STRUCTURAL_SHARE
+from armodal.analyzer.modal import lines_within
 from armodal.analyzer.screws import line_angle_rad, line_distance_m
 from armodal.hil_sim.plant import build_plant
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import EstimateError
 from armodal.protocols.plan import load_plan
+from armodal.protocols.plan_records import KnownMass
 
 
 def test_joint_stiffness_is_within_two_per_cent_and_three_sigma(identified, plant):
@@ -96,6 +99,33 @@ def test_poles_picked_by_hand_take_the_place_of_the_automatic_modes(session, ide
     for joint in by_hand.joints:
         truth = {link.joint: link.stiffness_n_m_per_rad for link in plant.truth.links}
         assert joint.k_n_m_per_rad == pytest.approx(truth[joint.joint], rel=0.02)
+
+
+def test_a_posture_with_a_known_mass_bolted_on_is_left_out_and_said(session):
+    plan = session.header.plan
+    *plain, last = plan.postures[:3]
+    weight = KnownMass(link="wrist", mass_kg=2.0, center_m=np.zeros(3))
+    few = replace(plan, postures=(*plain, replace(last, known_mass=weight)))
+    hits = tuple(hit for posture in few.postures for hit in session.accepted(posture.name))
+    found = identify(replace(session, header=replace(session.header, plan=few), hits=hits))
+    assert [frf.posture for frf in found.frfs] == [posture.name for posture in plain]
+    (said,) = [note for note in found.notes if "known mass" in note]
+    assert said.startswith(f"posture {last.name}: left out")
+    assert "`armodal gap` does" in said
+
+
+def test_the_band_of_given_frfs_is_cut_for_what_stands_beside_the_joints(session):
+    superset = Superset(session.header.arm)
+    frfs = estimate_frfs(session, superset)
+    given = replace(session, hits=(), frfs=frfs)
+    cut = [lines_within(frf, (6.0, 60.0)) for frf in frfs]
+    tops_hz = [
+        max(float(lines.s_rad_s[-1].imag) for lines in stage.lines) / (2.0 * np.pi)
+        for own in (None, cut)
+        for stage in annealing_stages(superset, given, frfs, only=[3], band_of=own)
+    ]
+    assert tops_hz[0] > 100.0
+    assert tops_hz[1] < 60.0
 
 
 @pytest.mark.long
