@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
+import numpy.typing as npt
 import scipy
 
 from armodal.analyzer.arm.same_parts import check_same_parts
@@ -43,8 +44,8 @@ class CheckedPosture:
     known: bool  # whether the arm file goes back to its session
     n_measured: int
     n_paired: int
-    f_error: float  # largest relative difference of a frequency
-    damping_error: float  # likewise of a damping ratio
+    f_error: float | None  # largest relative difference of a frequency; None: nothing is paired
+    damping_error: float | None  # likewise of a damping ratio
     within: int  # frequencies within 95 % of the prediction and the measurement together
 
 
@@ -103,11 +104,15 @@ def check_posture_rows(arm: Arm, session: Session, *, known: bool) -> tuple[Chec
                 known=known,
                 n_measured=len(f),
                 n_paired=len(i),
-                f_error=float((off / f[i]).max()),
-                damping_error=float(np.abs(own.modes.damping_ratio[j] / damping[i] - 1.0).max()),
+                f_error=_largest(off / f[i]),
+                damping_error=_largest(own.modes.damping_ratio[j] / damping[i] - 1.0),
                 within=int((off <= room).sum()),
             )
         )
     if not rows:
         raise EstimateError("no posture of the session shows a mode: nothing can be compared")
     return tuple(rows)
+
+
+def _largest(differences: npt.NDArray[np.float64]) -> float | None:
+    return float(np.abs(differences).max()) if differences.size else None

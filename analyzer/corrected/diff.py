@@ -26,7 +26,7 @@ class Change:
 
 
 def arm_changes(before: Arm, after: Arm) -> tuple[Change, ...]:
-    """Return all that differs: joints, links, effects, points, tolerances, history."""
+    """Return all that differs, but for comments: joints, links, effects, points, bus, history."""
     return (
         *_joints(before, after),
         *_links(before, after),
@@ -53,19 +53,23 @@ def _joints(before: Arm, after: Arm) -> Iterator[Change]:
             yield _said(f"the axis of {name} points elsewhere")
         if one.range_rad != other.range_rad:
             yield _said(f"the range of {name} differs")
+        if one.inertial_std != other.inertial_std:
+            yield _said(f"deviations of mass, centre and inertia of the link of {name} differ")
 
 
 def _links(before: Arm, after: Arm) -> Iterator[Change]:
     old = {joint.link.name: joint.link for joint in before.joints}
     new = {joint.link.name: joint.link for joint in after.joints}
+    yield from _names("link", old, new)
     for name in [n for n in old if n in new]:
         one, other = old[name], new[name]
         yield from _number(f"mass of {name}", "kg", one.mass_kg, other.mass_kg)
         for i, a in enumerate("xyz"):
             values = float(one.center_m[i]), float(other.center_m[i])
             yield from _number(f"centre {a} of {name}", "m", *values)
-            moments = float(one.inertia_kg_m2[i, i]), float(other.inertia_kg_m2[i, i])
-            yield from _number(f"inertia {a}{a} of {name}", "kg m²", *moments)
+            for j, b in tuple(enumerate("xyz"))[i:]:
+                moments = float(one.inertia_kg_m2[i, j]), float(other.inertia_kg_m2[i, j])
+                yield from _number(f"inertia {a}{b} of {name}", "kg m²", *moments)
 
 
 def _effects(before: Arm, after: Arm) -> Iterator[Change]:
@@ -103,6 +107,21 @@ def _rest(before: Arm, after: Arm) -> Iterator[Change]:
     moved = [f"{n} by {mm:.2f} mm" for n, mm in far.items() if mm > 1e3 * _SAME]
     if moved:
         yield _said(f"points moved: {', '.join(moved)}")
+    both = [(old[name], new[name]) for name in old if name in new]
+    turned = [
+        a.id for a, b in both if not np.allclose(a.R_link_sensor, b.R_link_sensor, atol=_SAME)
+    ]
+    if turned:
+        yield _said(f"sensors stand otherwise at points {', '.join(turned)}")
+    for a, b in both:
+        if a.link != b.link:
+            yield _said(f"point {a.id} is on {b.link}, before on {a.link}")
+    if before.groups != after.groups:
+        yield _said("groups of points differ")
+    if before.can != after.can:
+        yield _said("signals of the bus differ")
+    if _boxes(before) != _boxes(after):
+        yield _said("boxes that the arm stays out of differ")
     if before.tolerances != after.tolerances:
         yield _said("tolerances differ")
     if not np.array_equal(before.gravity_m_s2, after.gravity_m_s2):
@@ -111,6 +130,10 @@ def _rest(before: Arm, after: Arm) -> Iterator[Change]:
     for own in after.history:
         if own.session_sha256 not in known:
             yield _said(f"from session {own.session_sha256[:12]} by {own.by}, {own.created}")
+
+
+def _boxes(arm: Arm) -> list[tuple[object, ...]]:
+    return [(box.name, box.low_m.tolist(), box.high_m.tolist()) for box in arm.keep_outs]
 
 
 def _names(what: str, old: Mapping[str, object], new: Mapping[str, object]) -> Iterator[Change]:

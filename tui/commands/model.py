@@ -104,7 +104,13 @@ def check_command(
             "next: measure postures of a new session; `armodal gap` has fitted to all of these"
         )
         return
-    worst = max(row.f_error for row in unseen)
+    worst = max((row.f_error for row in unseen if row.f_error is not None), default=None)
+    if worst is None:
+        out.print(
+            "next: check the stiffnesses in the arm file; none of its modes is as low as those "
+            "that were measured"
+        )
+        return
     out.print(
         f"postures it was not fitted to: frequencies within {100 * worst:.2f} %; next: "
         "`armodal gap --arm` with a session where that is too much"
@@ -133,8 +139,8 @@ def _posture_table(path: str, rows: tuple[CheckedPosture, ...]) -> Table:
             row.posture,
             kind,
             f"{row.n_paired} of {row.n_measured}",
-            f"{100 * row.f_error:.2f} %",
-            f"{100 * row.damping_error:.1f} %",
+            "" if row.f_error is None else f"{100 * row.f_error:.2f} %",
+            "" if row.damping_error is None else f"{100 * row.damping_error:.1f} %",
             f"{row.within} of {row.n_paired}",
         )
     return table

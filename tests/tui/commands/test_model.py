@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from support.added import any_of, axis
 from typer.testing import CliRunner
 
 from armodal.analyzer.corrected.check import CheckedPosture
+from armodal.analyzer.corrected.diff import arm_changes
 from armodal.hil_sim.study import make_case
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.arm.records import PastSession
+from armodal.protocols.arm.records import KeepOut, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmodalError
 from armodal.tui.cli import app
@@ -48,6 +50,29 @@ def test_what_changed_is_told_in_words_and_numbers(changed):
     assert numbers["link_axis (shoulder): axis_compliance"] == (None, 1e-5)
     assert "+100.00 %" in run("diff", "rv4frl", changed).stdout
     assert "taken out: rotor (joint_1)" in run("diff", changed, "rv4frl").stdout
+
+
+def test_every_part_of_an_arm_that_differs_is_told():
+    joint = RV.joints[1]
+    skewed = joint.link.inertia_kg_m2.copy()
+    skewed[0, 1] = skewed[1, 0] = skewed[0, 1] + 0.05
+    renamed = replace(RV.joints[2].link, name="other")
+    point = replace(RV.points[0], R_link_sensor=RV.points[0].R_link_sensor[:, [1, 2, 0]])
+    joints = (
+        RV.joints[0],
+        replace(joint, link=replace(joint.link, inertia_kg_m2=skewed)),
+        replace(RV.joints[2], link=renamed),
+        *RV.joints[3:],
+    )
+    box = KeepOut(name="table", low_m=np.zeros(3), high_m=np.ones(3))
+    other = replace(RV, joints=joints, points=(point, *RV.points[1:]), groups={}, keep_outs=(box,))
+    told = {change.what for change in arm_changes(RV, other)}
+    assert f"inertia xy of {joint.link.name}" in told
+    assert "links come: other" in told
+    assert f"sensors stand otherwise at points {point.id}" in told
+    assert "groups of points differ" in told
+    assert "boxes that the arm stays out of differ" in told
+    assert arm_changes(RV, RV) == ()
 
 
 def test_one_file_beside_itself_did_not_change(changed):
@@ -94,6 +119,11 @@ def test_postures_of_a_session_are_set_beside_the_arm_file(measured, tmp_path, m
     said = run("check", "ur5", path).stdout
     assert "validation" in said
     assert "postures it was not fitted to" in said
+    stiff = replace(
+        found[0], n_paired=0, f_error=None, damping_error=None, within=0
+    )  # no mode as low as those measured
+    monkeypatch.setattr(model, "check_posture_rows", lambda *_, **__: (stiff,))
+    assert "none of its modes is as low" in " ".join(run("check", "ur5", path).stdout.split())
 
 
 @pytest.mark.long
