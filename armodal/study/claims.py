@@ -54,6 +54,7 @@ _FIGURES: tuple[tuple[str, Callable[[Line], str], str], ...] = (
     ("clear, right and alone", _of_group("clear", "right"), "90 %"),
     ("medium", _of_group("medium", "right"), "75 %"),
     ("faint", _of_group("faint", "right"), ""),
+    ("— single ones named right, at their true place", lambda s: _rate(s["place"]), ""),
     ("two at once, both named", _of_group("two at once", "right"), "70 %"),
     ("outside the library, said so", _of_group("outside", "right"), "85 %"),
     ("wrong or surplus names, effects", lambda s: _rate(s["wrong_of_effects"]), "2 %"),

@@ -48,10 +48,12 @@ def study_summary(lines: Sequence[Line]) -> dict[str, Any]:
     right = [x for x in (*nulls, *single) if x["outcome"] == "right"]
     hiding = [x for x in judged if x["magnitude"] != "none"]
     held = [x["over_true_model"] for x in judged if x["over_true_model"] is not None]
+    placed = [x["place_right"] for x in judged if x["place_right"] is not None]
     paced = [x["cpu_s"] / x["pace"] for x in judged]  # as a core of the reference's pace
     return {
         "groups": table,
         "confusion": _confusion(single),
+        "place": asdict(rate(sum(placed), len(placed))) if placed else None,
         "size_error_median": _median(errors),
         "size_covered": covered,
         "k_error_median": _median(k_errors),

@@ -22,7 +22,7 @@ def line(outcome, magnitude="clear", true=("base",), confidence=None, **more):
         "verdict": "named" if confidence is not None else "nothing_detectable",
         "outcome": outcome,
         "confidence": confidence,
-        "place_right": True,
+        "place_right": True if outcome == "right" and true else None,
         "stiffness": [JOINT] * 4,
         "sizes": [SIZE],
     }
@@ -44,6 +44,8 @@ def test_figures_are_counted_maker_by_maker_and_together():
     begins = {name: [cell.split(" (")[0] for cell in own] for name, own in cells.items()}
     assert begins["nulls silent"] == ["1 of 1", "1 of 1", "2 of 2"]
     assert begins["clear, right and alone"] == ["1 of 2", "", "1 of 2"]
+    placed = begins["— single ones named right, at their true place"]
+    assert placed == ["1 of 1", "", "1 of 1"]
     assert begins["medium"] == ["", "0 of 1", "0 of 1"]
     assert begins["two at once, both named"] == ["", "", ""]
     assert begins["wrong or surplus names, effects"] == ["1 of 2", "0 of 1", "1 of 3"]

@@ -21,6 +21,7 @@ LINE = {
     "stiffness": [],
     "gap": [],
     "over_true_model": None,
+    "place_right": None,
     "stands_out": None,
     "misfit": 0.3,
 }
