@@ -86,7 +86,7 @@ def made(table: ArmTable, spec: CaseSpec) -> Made:
         place = where if len(where) > 1 else where[0]
         hidden.append({"name": kind, "place": place, "parameters": told, "visible": visible})
     shop = Shop(seed=spec.seed, arm=arm, drawn=drawn, parts=parts, gear=gear)
-    return Made(arm=arm, plan=plan, truth=_truth(drawn, spec, hidden), shop=shop)
+    return Made(arm=arm, plan=plan, truth=_truth(drawn, parts, spec, hidden), shop=shop)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,12 +146,13 @@ def _sized(
     return best[0]
 
 
-def _truth(drawn: Everyday, spec: CaseSpec, hidden: list[Hidden]) -> dict[str, Any]:
+def _truth(drawn: Everyday, parts: Parts, spec: CaseSpec, hidden: list[Hidden]) -> dict[str, Any]:
     joints, told = {}, 2.0j * np.pi * np.array([STIFFNESS_AT_HZ])
     for joint in drawn.elastic:
         drive, loss = drawn.parts.drives[joint], drawn.loss[joint]
+        law = parts.drives[joint].own_law or drive.law
         joints[joint] = {
-            "stiffness_n_m_per_rad": drive.stiffness + float(drive.law(told)[0].real),
+            "stiffness_n_m_per_rad": drive.stiffness + float(law(told)[0].real),
             "damping_n_m_s_per_rad": loss.factor * drive.stiffness / (2.0 * np.pi * LOSS_AT_HZ),
             "loss_factor": loss.factor,
             "stiffer": loss.stiffer,

@@ -24,6 +24,7 @@ class Drive:
     shift_n_per_m: float
     tilt_loss: float  # loss factor
     rotor_kg_m2: float = 0.0
+    own_law: Law | None = None  # of the joint's own drive, where an effect has given it another
 
 
 @dataclass(slots=True, kw_only=True)

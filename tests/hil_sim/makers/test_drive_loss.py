@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
+from armodal.hil_sim.makers.arms import arm_table
+from armodal.hil_sim.makers.case import CaseSpec
 from armodal.hil_sim.makers.frame.drive_loss import LOSS_AT_HZ, DriveLoss
+from armodal.hil_sim.makers.frame.maker import made
+from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
 LOSS = DriveLoss(factor=0.06, stiffer=0.08, band_hz=(5.0, 60.0))
 K = 2e4
@@ -41,3 +45,19 @@ def test_no_power_of_frequency_is_its_loss():
     lost = LOSS.law(K)(2j * np.pi * f_hz).imag
     power = np.diff(np.log(lost)) / np.diff(np.log(f_hz))
     assert np.ptp(power) > 0.1
+
+
+@pytest.mark.parametrize("kind", [None, "hysteretic", "servo"])
+def test_the_stiffness_that_is_told_is_that_of_the_joint_s_own_law(kind):
+    """Of a law that an effect gives every drive; not of a servo behind one."""
+    kinds = () if kind is None else (kind,)
+    spec = CaseSpec(
+        maker="frame", seed=3, arm="ur10e", wrist="elastic", kinds=kinds, size_class="clear"
+    )
+    found = made(arm_table("ur10e"), spec)
+    s = 2j * np.pi * np.array([STIFFNESS_AT_HZ])
+    parts, plain = found.shop.parts, found.shop.drawn.parts
+    for name, told in found.truth["joints"].items():
+        law = parts.drives[name].law if kind == "hysteretic" else plain.drives[name].law
+        k = plain.drives[name].stiffness + law(s)[0].real
+        assert told["stiffness_n_m_per_rad"] == pytest.approx(k, rel=1e-12)

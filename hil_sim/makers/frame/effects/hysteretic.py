@@ -22,7 +22,8 @@ def where(drawn: Everyday) -> list[str]:
 def hide(kit: Kit, place: str, size: float) -> Hidden:
     """Give every drive nearly constant hysteresis in place of its own law."""
     for joint in place.split("|"):
-        kit.parts.drives[joint].law = _law(size * kit.parts.drives[joint].stiffness)
+        drive = kit.parts.drives[joint]
+        drive.law = drive.own_law = _law(size * drive.stiffness)
     # Over the stiffness that an arm file means.
     at_rest = 1.0 - size * loss_law(REST)[0].real
     return {"loss_factor": size / (at_rest + size * loss_law(TOLD)[0].real)}
