@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from armodal.analyzer.arm.superset import Superset
@@ -10,6 +11,7 @@ from armodal.analyzer.gap.model.hit_levels import has_hits_between, has_levels
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.protocols.errors import ArmError
 from armodal.protocols.session.records import Session
 
 __all__ = ["ordinary_of", "with_places"]
@@ -20,15 +22,29 @@ _NEAR_STEPS = 3
 def ordinary_of(
     sessions: Sequence[Session], superset: Superset, lines: Sequence[PostureLines]
 ) -> Ordinary:
-    """Return what is ordinary about the arm of some sessions, on lines of their postures."""
+    """Return what is ordinary about the arm of some sessions, on lines of their postures.
+
+    Raises
+    ------
+    ArmError
+        If two parameters have one name: joints 'A' and 'relaxing A' make two of 'loss relaxing A'.
+    """
     levels_hit = all(bool(session.hits) and has_levels(session) for session in sessions)
-    return Ordinary(
+    ordinary = Ordinary(
         superset=superset,
         postures=tuple(own.name for own in lines),
         hit_points=_hit_alone(superset, lines),
         levels_hit=levels_hit,
         hits_between=levels_hit and any(has_hits_between(session) for session in sessions),
     )
+    counts = Counter(p.name for p in ordinary.parameters())
+    twice = ", ".join(f"'{name}'" for name, n in counts.items() if n > 1)
+    if twice:
+        raise ArmError(
+            f"arm '{superset.arm.name}': wanted a name of its own for every parameter, got {twice} "
+            "twice; rename joints or links in the arm file"
+        )
+    return ordinary
 
 
 def _hit_alone(superset: Superset, lines: Sequence[PostureLines]) -> tuple[str, ...]:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-
-from armodal.protocols.errors import ArmError
 
 __all__ = ["Parameter", "Space"]
 
@@ -40,23 +37,11 @@ class Space:
     """An ordered set of parameters; its vectors count prior standard deviations from the mean.
 
     `least` and `most` are nature's bounds; `low` and `high` are within them, as far as a fit tries.
-
-    Raises
-    ------
-    ArmError
-        If two parameters have one name: joints 'A' and 'relaxing A' make two of 'loss relaxing A'.
     """
 
     def __init__(self, parameters: Sequence[Parameter]) -> None:
         self.parameters = tuple(parameters)
         self.index = {p.name: i for i, p in enumerate(self.parameters)}
-        if len(self.index) < len(self.parameters):
-            counts = Counter(p.name for p in self.parameters)
-            twice = ", ".join(f"'{name}'" for name, n in counts.items() if n > 1)
-            raise ArmError(
-                f"wanted a name of its own for every parameter, got {twice} twice; rename the "
-                "joints in the arm file"
-            )
         self.mean = np.array([p.mean for p in self.parameters])
         self.std = np.array([p.std for p in self.parameters])
         farthest = np.array([p.farthest for p in self.parameters])
