@@ -320,7 +320,7 @@ def notes_on_its_end(final: Fit) -> list[str]:
     if final.ordinary_at_limit:
         notes.append(
             f"{', '.join(final.ordinary_at_limit)}: ended {FARTHEST:.0f} deviations off, as far as "
-            "is tried; the arm file's tolerance is too narrow, or what is missing hides there"
+            "is tried: give it more if the arm file has its std; else what is missing hides there"
         )
     if final.promised >= _UNFINISHED:
         notes.append(

@@ -23,7 +23,7 @@ def summary_words(
         words = "; ".join(f"{e.title} ({e.place})" if e.place else e.title for e in effects)
         return f"Missing in the model: {words}."
     if verdict is Verdict.AMBIGUOUS:
-        return f"Something is missing, but it cannot be told which: {titles(standing)}"
+        return f"What is missing, if anything, cannot be told: {titles(standing)}."
     if verdict is Verdict.OUTSIDE_LIBRARY:
         worst = max(left, key=lambda d: d.ratio)
         return (
@@ -31,4 +31,4 @@ def summary_words(
             f"{misfit:.1f} is left, most at point {worst.point} {worst.axis} in posture "
             f"'{worst.posture}' at {worst.band_hz[0]:.0f}-{worst.band_hz[1]:.0f} Hz."
         )
-    return "Model and measurement agree within scatter and ordinary errors."
+    return "With k, c and tolerances refitted, nothing is left to explain."

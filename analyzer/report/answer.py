@@ -54,19 +54,25 @@ def _foretold(gap: GapResult) -> Finding | None:
     worst = _worst(after)
     if worst is None:
         return None
-    n_modes = sum(len(row.modes) for row in after)
+    # Soft and hard hits of a posture have its modes in common.
+    apart = {_without_level(row.posture): row for row in after}
+    n_modes = sum(len(row.modes) for row in apart.values())
     before = _worst(gap.gap_before) if gap.effects else None
     text = (
         f"{'With it, the' if len(gap.effects) == 1 else 'With them, the' if gap.effects else 'The'}"
-        f" model meets all {n_modes} modes of {len(after)} postures within {share(worst)} in "
+        f" model pairs {n_modes} modes in {len(apart)} postures within {share(worst)} in "
         f"frequency{f'; without, within {share(before)}' if before is not None else ''}."
     )
     if not unseen:
         return Finding(
             text=text, sure="No posture was kept for validation: this is a fit, not a prediction."
         )
-    names = " and ".join(row.posture for row in unseen)
+    names = " and ".join(dict.fromkeys(_without_level(row.posture) for row in unseen))
     return Finding(text=text, sure=f"Not used in the fit: {names}.")
+
+
+def _without_level(title: str) -> str:
+    return title.removesuffix(", soft hits").removesuffix(", hard hits")
 
 
 def _worst(rows: Sequence[PostureGap]) -> float | None:

@@ -21,12 +21,14 @@ __all__ = [
     "mechanics",
     "mechanics_of",
     "size_in_words",
+    "weight",
 ]
 
 _OF_AN_AXIS = ("link", "direction", "point_m")
 _K = "stiffness "
 # A compliance is read as a stiffness; of a length of a link as its EI or GJ.
 _INVERSE = {"rad/(N m)": "N m/rad", "m/N": "N/m", "rad/(N m²)": "N m²"}
+_UNITS = {"_rad_s": "rad/s", "_rad": "rad", "_m": "m"}  # endings of a description's names
 _LOGARITHM, _TIMES = "ln", "times"
 # Below this a study of some thousand cases cannot tell a confidence from certainty.
 _ALMOST_SURE = 0.999
@@ -217,8 +219,12 @@ def _damping(size: Interval | None, parameters: Mapping[str, Interval]) -> str:
 
 def _entry(name: str, value: object) -> tuple[str, str]:
     """An entry of a description as people read it: its name without its unit."""
-    words = name.removesuffix("_m")
-    return words.replace("_", " "), f"{_told(value)}{' m' if words != name else ''}"
+    if name == "link":
+        return "in the frame of", _told(value)
+    for ending, unit in _UNITS.items():
+        if name.endswith(ending):
+            return name.removesuffix(ending).replace("_", " "), f"{_told(value)} {unit}"
+    return name.replace("_", " "), _told(value)
 
 
 def _told(value: object) -> str:
@@ -241,6 +247,11 @@ def chance(probability: float | None) -> str:
         return "not known"
     percent = 100.0 * probability
     return f"{percent:.2g} %" if percent < 10.0 else f"{percent:.0f} %"
+
+
+def weight(odds: float | None) -> str:
+    """Return how much evidence there is for a rival over that for the best one, in words."""
+    return "not known" if odds is None else f"{odds:.2g}"
 
 
 def axis_of_effect(effect: EffectFound) -> MarkedAxis | None:

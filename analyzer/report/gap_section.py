@@ -10,6 +10,7 @@ from armodal.analyzer.report.effect_words import (
     chance,
     hidden_in_words,
     mechanics_of,
+    weight,
 )
 from armodal.analyzer.report.gap_svg import disagreement_svgs, errors_svg
 from armodal.analyzer.report.page_style import style
@@ -28,7 +29,7 @@ _ADVICE = {
     Verdict.NAMED: "see the rivals below",
     Verdict.AMBIGUOUS: "make the test that tells the standing rivals below apart",
     Verdict.NOTHING_DETECTABLE: "nothing; what could still hide is listed below",
-    Verdict.OUTSIDE_LIBRARY: "look at the place the map of disagreement shows",
+    Verdict.OUTSIDE_LIBRARY: "look at the point and axis named in the summary",
 }
 
 
@@ -51,6 +52,7 @@ def gap_section(
             mechanics=mechanics_of,
             certainty=certainty,
             chance=chance,
+            weight=weight,
             hidden=hidden_in_words,
             arm=arm,
             pairs=[(gap, after.get(gap.posture)) for gap in result.gap_before],

@@ -38,14 +38,15 @@ def next_steps(
             f"To tell the remaining explanations apart: {test}."
             for test in list(told)[:_MOST_TESTS]
         ]
-    if gap.verdict is Verdict.OUTSIDE_LIBRARY and gap.interface:
-        steps.append(f"Look at the arm where {gap.interface}.")
+    if gap.verdict is Verdict.OUTSIDE_LIBRARY:
+        steps.append("Look at the point that the finding above names.")
     if gap.next_test is not None:
         test = gap.next_test
         steps.append(f"Next test: {test.words}. It {test.why}.")
     if gap.verdict is Verdict.NAMED:
         steps.append(
-            "Use the new arm file: armodal predict and armodal workspace compute with what was "
-            "found."
+            "Use the new arm file: armodal predict --arm computes with what was found of the arm."
         )
-    return tuple(steps) or ("Nothing: the model explains what this test could see.",)
+    return tuple(steps) or (
+        "Nothing: with k, c and tolerances refitted the model explains what this test could see.",
+    )

@@ -25,6 +25,7 @@ from armodal.analyzer.report.effect_words import (
     chance,
     effect_sentence,
     mechanics_of,
+    weight,
 )
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
@@ -174,13 +175,13 @@ def _effect_lines(effect: EffectFound) -> Text:
 
 def _rival_lines(rivals: Sequence[RivalRow]) -> Text:
     """Rivals of the last step, best first."""
-    lines = ["Rivals (how often chance looks as clear; odds beside the best):"]
+    lines = ["Last round (how often chance looks as clear; weight over the first):"]
     for rival in rivals:
         stands = "stands" if rival.standing else "does not stand"
         size = "" if rival.material else ", not told to be large enough"
         lines.append(
             f"  {rival.title} ({rival.place}): by chance {chance(rival.false_name_probability)}, "
-            f"odds {chance(rival.odds)}; {stands}{size}"
+            f"weight {weight(rival.odds)}; {stands}{size}"
         )
     return Text("\n".join([*lines, ""]))
 
@@ -191,7 +192,7 @@ def _gap_table(before: tuple[PostureGap, ...], after: tuple[PostureGap, ...]) ->
         ("posture", "", "  before", "  after", "  expected", "  f before", "  f after"),
     )
     table.caption = (
-        "expected: what scatter and the errors every test has would leave; an error after that "
+        "expected: what scatter and a right model's allowance would leave; an error after that "
         "is far above it says that something is still missing"
     )
     for old, new in zip(before, after, strict=True):

@@ -117,10 +117,10 @@ def gap_command(
 ) -> None:
     """Find where model and measurement disagree, and name what is missing.
 
-    The result is saved beside the session, where `armodal report` finds it; the proposed next test
-    is written as a plan. With the new arm file as --arm and another as --arm-out it continues from
-    there: nothing more should be missing. With --lab it drives the simulated laboratory and runs
-    the tests it proposes.
+    The result is saved beside the session, where `armodal report` finds it; of the proposed next
+    test `n` in `armodal review` makes a plan. With the new arm file as --arm and another as
+    --arm-out it continues from there: nothing more should be missing. With --lab it drives the
+    simulated laboratory and runs the tests it proposes.
 
     Example: armodal gap session.h5 --arm-out arm-with-axis.toml
     """
@@ -195,6 +195,8 @@ def _print_result(outcome: GapOutcome, beside: dict[str, Any]) -> None:
     if result.next_test is not None:
         out.print(f"next test: {result.next_test.words}")
         out.print(f"  it {result.next_test.why}")
+        if not beside:
+            out.print("  `n` under Gap in `armodal review` plans it; give its session as --with")
     for note in result.notes:
         print_note(note)
     if beside:

@@ -125,7 +125,7 @@ def predict_command(
     level: Annotated[
         float,
         typer.Option(
-            help="With --arm: peak force over the test's median, where stiffness depends on force."
+            help="With --arm: peak force over the test's middle one, where a law depends on it."
         ),
     ] = 1.0,
     below: Annotated[

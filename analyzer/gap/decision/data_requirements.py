@@ -47,7 +47,7 @@ def check_data_requirements(session: Session) -> None:
     if len(postures) < FEWEST_POSTURES:
         raise EstimateError(
             f"wanted at least {FEWEST_POSTURES} postures to tell effects apart, got "
-            f"{len(postures)}; measure two more that move the masses beyond each joint"
+            f"{len(postures)}; measure others that move the masses beyond each joint"
         )
     if len(points) < _FEWEST_POINTS:
         raise EstimateError(
@@ -108,8 +108,8 @@ def notes_on(session: Session, more: Sequence[Session]) -> list[str]:
         )
     elif not has_levels(session):
         notes.append(
-            "not every point was hit softly and hard: effects that need several hit levels were "
-            "not considered"
+            "not every point was hit softly and hard (`peaks_n` in the plan): effects of the hits' "
+            "level were not looked for"
         )
     if not session.complete:
         notes.append("the session is not complete; what is missing was not judged")

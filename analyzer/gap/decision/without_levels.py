@@ -33,12 +33,19 @@ def is_alike(fit: Fit) -> bool:
 
 
 def titles(standing: Sequence[Fit]) -> str:
-    """Return what stands, in words, and what no model here is of."""
-    found = [fit.title for fit in standing]
+    """Return what stands, in words, and what no model here is of.
+
+    A model that has nothing beside what all have, where others have something, is of nothing more.
+    """
+    fewest = min(len(fit.hypothesis.instances) for fit in standing)
+    more = [fit.title for fit in standing if len(fit.hypothesis.instances) > fewest]
     if any(is_alike(fit) for fit in standing):
-        told = [f.title for f in standing if f.hypothesis.instances]
-        found = [*told, ALIKE]
-    return " or ".join(found)
+        return " or ".join(
+            [*(more or [f.title for f in standing if f.hypothesis.instances]), ALIKE]
+        )
+    if not more:
+        return " or ".join(fit.title for fit in standing)
+    return " or ".join([*more, *(["nothing more"] if len(more) < len(standing) else [])])
 
 
 def first_with_levels(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -82,4 +83,9 @@ def laws(
         )
 
     loaded = joint in {ordinary.arm.joints[i].name for i in ordinary.loaded}
-    return tuple(at_rest(carries=carries) for carries in (False, True) if loaded or not carries)
+    told = {part: "part of the joint's spring", half: "ln half play, over the middle swing"}
+    return tuple(
+        replace(at_rest(carries=carries), words=told)
+        for carries in (False, True)
+        if loaded or not carries
+    )

@@ -38,9 +38,10 @@ _UP = skew(np.array([0.0, 0.0, 1.0]))
 
 
 def _told(name: str) -> str:
-    """Of "base rock x" and its like."""
+    """Of "base rock x" and its like; the level lines it rocks about are told beside."""
     _, way, axis = name.split()
-    return f"{way}ing stiffness {'along' if way == 'shift' else 'about'} {axis}"
+    line = "line " if way == "rock" and axis in "xy" else ""
+    return f"{way}ing stiffness {'along' if way == 'shift' else 'about'} {line}{axis}"
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:

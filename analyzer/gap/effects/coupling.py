@@ -66,6 +66,10 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
                         Parameter(name=lossy, unit="", mean=0.0, std=_LOSS_STD),
                     ),
                     builder=build,
+                    words={
+                        stiff: "stiffness between them, over √(k k) of the arm file",
+                        lossy: "damping between them, over √(c c) of the arm file",
+                    },
                     size=stiff,
                     material=_MATERIAL,
                 )

@@ -19,7 +19,7 @@ WORDS = EffectWords(
     signature="every mode loses the same 1/s beside its own damping, whatever its frequency",
     confused_with=("hysteretic", "nonproportional"),
     told_by="a record twice as long, or the same hit with the front end's window switched off",
-    remedy="switch the front end's exponential window off, or write its end into the plan",
+    remedy="switch the front end's window off; of imported FRFs tell window_decay_rad_s",
 )
 _STD, _MATERIAL = 3.0, 0.3  # 1/s
 

@@ -39,7 +39,7 @@ WORDS = EffectWords(
     told_by="three postures that differ in that joint's angle alone; or the cylinder taken off",
     own_candidates=True,
     separate_minima=True,
-    remedy="put the cylinder's ends and stiffness into the model, or test with its valve open",
+    remedy="use the new arm file, which has it; check the cylinder, its supply and its valve",
 )
 STD = 0.4  # of the joint's stiffness, where it is square to its lever
 _MATERIAL = 0.03
@@ -155,6 +155,7 @@ def _beside(ordinary: Ordinary, i: int) -> Instance:
         ),
         builder=build,
         size=stiff,
+        words={stiff: "its stiffness at the shorter lever, over the joint's in the arm file"},
         shapes=tuple(shapes),
         details=(aside, stretch, growth),
         material=_MATERIAL,

@@ -23,7 +23,7 @@ WORDS = EffectWords(
     # All aims off alike: ordinary errors beyond their tolerance rather than a term. Of 1178 nulls
     # none had a turn that was worth a fit.
     told_by="hits along a surface normal, or with a guide that holds the hammer",
-    remedy="measure the direction of the hits again and correct it in the plan",
+    remedy="measure the hits' direction, correct it in the plan, and hit again",
 )
 _TURN_STD, _MATERIAL = 0.2, 0.035  # rad
 

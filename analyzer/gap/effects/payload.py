@@ -27,7 +27,7 @@ WORDS = EffectWords(
     signature="frequencies fall together with the share that the link has in each mode",
     confused_with=("rotor", "hammer_gain"),
     told_by="a known mass added at the same place",
-    remedy="weigh what the link carries: tool, valves, cables; put it into the arm file",
+    remedy="weigh what the link carries: tool, valves, cables; the new arm file has it",
 )
 _MATERIAL_KG, _MATERIAL = 0.2, 0.003  # or of the arm's mass, whichever is less
 _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of no mass

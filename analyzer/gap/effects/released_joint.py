@@ -17,7 +17,7 @@ WORDS = EffectWords(
     signature="one more mode, turning about the joint's own axis at its place in every posture",
     confused_with=("link_axis", "bearing", "coupling"),
     told_by="a posture that turns the joint's axis away from its neighbours', a hit far off it",
-    remedy="give the joint a stiffness in the arm file; check its brake and its transmission",
+    remedy="check its brake and transmission; the new arm file has its stiffness",
 )
 _MATERIAL = 0.05  # of its drive's compliance
 

@@ -24,7 +24,7 @@ WORDS = EffectWords(
     signature="the joint's mode falls in every posture by the same inertia, whatever is beyond",
     confused_with=("servo", "payload"),
     told_by="a posture in which the joint carries little inertia; brakes on against servo",
-    remedy="brakes on, or put the reflected inertia (ratio squared times rotor) into the model",
+    remedy="compare with ratio squared times the rotor; the new arm file has it: use that",
 )
 _MATERIAL_KG_M2 = 0.05
 _STD, _MATERIAL = 0.3, 0.01  # of the carried moment

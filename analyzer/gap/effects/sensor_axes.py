@@ -21,7 +21,7 @@ FLIPPED = EffectWords(
     signature="one channel agrees with the model after its sign is changed",
     confused_with=("swapped_axes", "wrong_point"),
     told_by="mount the sensor again and tap along each of its axes",
-    remedy="correct the sensor's orientation in the arm file, or its cable, and analyse again",
+    remedy="one axis: correct its cable, measure again; two: its orientation in the arm file",
 )
 SWAPPED = EffectWords(
     name="swapped_axes",
@@ -31,7 +31,7 @@ SWAPPED = EffectWords(
     signature="channels agree with the model's other axes",
     confused_with=("flipped_axis", "wrong_point"),
     told_by="mount the sensor again and tap along each of its axes",
-    remedy="correct the order of the channels or the mounting, and analyse again",
+    remedy="correct the order of the channels or the mounting, and measure again",
 )
 
 

@@ -19,7 +19,7 @@ WORDS = EffectWords(
     signature="frequencies differ from point to point, lower where the sensor moves much",
     confused_with=("payload", "wrong_point"),
     told_by="the same point with and without a known mass beside the sensor",
-    remedy="weigh the sensor with its magnet and the cable it carries; put that in the plan",
+    remedy="weigh sensor, magnet and carried cable; put that in the plan and measure again",
 )
 _MATERIAL_KG = 0.01
 _STD_KG = 1.0  # a magnet, a base and the cable that hangs on them: from grams to some kilograms

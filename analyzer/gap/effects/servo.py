@@ -22,7 +22,7 @@ WORDS = EffectWords(
     confused_with=("rotor",),
     least_shared=6.0,  # mountings' worth; a peak of one posture is brought by two to four
     told_by="brakes on against servo; a posture in which the joint carries little inertia",
-    remedy="test with brakes on, or read the transmission's stiffness with the servo's in series",
+    remedy="test with brakes on; at rest the joint has the k told and the servo's in series",
 )
 _BRAKED = 1e-3  # of its compliance, a brake leaves a servo
 # Of the carried moment: drives are chosen for a reflected inertia of a tenth to all of the load's.

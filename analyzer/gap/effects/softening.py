@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -77,4 +78,8 @@ def laws(
             )
         ],
     )
-    return (only,)
+    told = {
+        part: "part of the joint's stiffness lost at the middle swing",
+        bend: "ln turn where it bends, over the middle swing",
+    }
+    return (replace(only, words=told),)

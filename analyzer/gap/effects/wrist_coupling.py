@@ -21,7 +21,7 @@ WORDS = EffectWords(
     confused_with=("coupling", "released_joint"),
     contains=("released_joint",),  # the driven drive's own spring
     told_by="a point off the last axis on the last link; postures that turn the last joint",
-    remedy="put the coupling ratio of the wrist's gears into the model; the maker's manual has it",
+    remedy="compare with the maker's ratio of the wrist's gears; the new arm file has this one",
 )
 _MATERIAL = 0.05
 _STD = 1.0

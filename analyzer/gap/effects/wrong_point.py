@@ -30,7 +30,7 @@ WORDS = EffectWords(
     signature="one or two points alone disagree, and agree with the model at another place",
     confused_with=("swapped_axes", "flipped_axis", "channel_gain"),
     told_by="measure the named points again",
-    remedy="correct the points' names in the session, or their place in the arm file",
+    remedy="mark and measure these points again; a measured session is not corrected",
 )
 FAR_M, MATERIAL_M = 0.1, 0.02
 _KEPT, _STILL = "hits_along", "what_stays"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from armodal.analyzer.gap.decision.without_levels import is_alike
+from armodal.analyzer.gap.decision.without_levels import is_alike, titles
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.next_test.at_levels import hits_at_levels
 from armodal.analyzer.gap.next_test.possible_tests import Test
@@ -21,7 +21,7 @@ from armodal.protocols.plan_rewrite import text_with_posture
 
 __all__ = ["NARROWS", "Advice", "advise", "at_levels", "plan_text"]
 
-NARROWS = "which would widen the range of k of"  # in the reason of a test that narrows a range
+NARROWS = "to narrow the range of k of"  # in the reason of a test that narrows a range
 
 _SEED = 2718  # proposals are repeatable
 _MOST_RIVALS = 3
@@ -69,7 +69,7 @@ def advise(
     weak = _weak(final, rivals)
     if len(standing) > 1:
         compared = list(standing[:_MOST_RIVALS])
-        why = f"tells apart: {', or '.join(fit.title for fit in compared)}"
+        why = f"tells apart: {titles(compared)}"
     elif weak is not None:
         compared = [final, weak]
         why = f"shows whether “{weak.title}” applies: little speaks for it so far"
@@ -85,7 +85,7 @@ def advise(
         return Advice()
     test, gain = best
     if gain < _WORTH:
-        alike = ", or ".join(fit.title for fit in standing[:_MOST_RIVALS])
+        alike = titles(standing[:_MOST_RIVALS]) if standing else ""
         words = f"no further test here is expected to tell apart: {alike}"
         return Advice(why_none=words if len(standing) > 1 else "")
     odds = f"{np.exp(gain):.0f}" if gain < np.log(_MUCH) else f"more than {_MUCH}"

@@ -54,7 +54,10 @@ class Test:
             words += ", the brakes on"
         if self.known_mass is not None:
             body = self.known_mass
-            words += f", {body.mass_kg:.1f} kg bolted to {body.link}"
+            at_mm = ", ".join(f"{1e3 * x:.0f}" for x in body.center_m)
+            words += (
+                f", {body.mass_kg:.1f} kg bolted to {body.link}, its centre at {at_mm} mm there"
+            )
         return words
 
 

@@ -207,7 +207,7 @@ def test_rivals_that_no_test_tells_apart_are_said_to_be_so(known):
     plan = load_plan("ur5-five-postures", null.hypothesis.ordinary.arm)
     found = advise(stage, null, (null, null), [], [], lambda _: (), plan, lambda _: None)
     assert found.test is None
-    assert found.why_none.endswith("to tell apart: nothing missing, or nothing missing")
+    assert found.why_none.endswith("to tell apart: nothing missing or nothing missing")
 
 
 def test_a_rival_with_little_evidence_is_worth_a_test_before_what_only_hides(known, servo):

@@ -3,20 +3,42 @@
 import itertools
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
+from support.made_gap_fits import made_fit, made_words
 from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.decision.without_levels import first_with_levels, is_alike
+from armodal.analyzer.gap.decision.without_levels import first_with_levels, is_alike, titles
 from armodal.analyzer.gap.effects import gravity_compensator, servo
+from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.records import Verdict
 from armodal.analyzer.gap.workflow import find_gap
 from armodal.hil_sim.study import make_case
 from armodal.protocols.errors import ArmError
 from armodal.protocols.plan import plan_from_text
+
+
+def test_the_model_that_has_what_all_have_stands_as_nothing_more():
+    first, second, third = (
+        Instance(effect=made_words(name, title=name), place="") for name in ("one", "two", "three")
+    )
+    ordinary = SimpleNamespace(levels_hit=True)
+
+    def fit(*instances):
+        return made_fit(
+            Hypothesis(ordinary=ordinary, instances=instances), cost=1.0, space=Space([]), u=[]
+        )
+
+    assert titles([fit(first, second), fit(first)]) == "two or nothing more"
+    assert titles([fit(first, second), fit(first, third), fit(first)]) == (
+        "two or three or nothing more"
+    )
+    assert titles([fit(second), fit(third)]) == "two or three"
 
 
 @pytest.fixture(scope="module")

@@ -169,7 +169,7 @@ def _before_after(found: Mapping[str, Any]) -> RenderableType | None:
         "Gap: difference over the FRFs, %",
         table,
         (
-            "expected: what scatter and the errors that every test has would leave.\n"
+            "expected: what scatter and a right model's allowance would leave.\n"
             "After as low as this: all is explained. Far above it: something is still missing."
         ),
     )
@@ -185,7 +185,7 @@ def _bar(before: float | None, after: float | None) -> str:
 
 def _where(found: Mapping[str, Any]) -> RenderableType | None:
     cells = [row for row in _rows(found, "where") if isinstance(row.get("ratio"), (int, float))]
-    title = "Where: difference over what scatter explains (1), worst axis, by point"
+    title = "Where, before naming: over what is expected (1), worst axis, by point"
     return _titled(title, gap_map(cells)) if cells else None
 
 
@@ -203,7 +203,7 @@ def _rivals(found: Mapping[str, Any]) -> RenderableType | None:
             "-" if stands is None else "yes" if stands else "no",
             str(row.get("told_by", "")),
         )
-    return _titled("Rivals, best first", table)
+    return _titled("Tried in the last round, best first", table)
 
 
 def _probability(value: object) -> float | None:

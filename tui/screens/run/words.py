@@ -71,7 +71,7 @@ def conditions(posture: PlannedPosture) -> str:
     mass = posture.known_mass
     if mass is not None:
         at_mm = ", ".join(f"{1e3 * x:.0f}" for x in mass.center_m)
-        words += f" Bolt {mass.mass_kg:g} kg to {mass.link}, its centre at {at_mm} mm."
+        words += f" Bolt {mass.mass_kg:g} kg to {mass.link}, its centre at {at_mm} mm in its frame."
     return words
 
 

@@ -225,7 +225,7 @@ def test_brakes_and_a_known_mass_that_the_plan_wants_are_said_with_the_posture(t
 
     async def body(pilot):
         await stage.tell(pilot, *SESSION_EVENTS, prompted(at_posture))
-        told = " Brakes on. Bolt 2.5 kg to wrist, its centre at 0, 10, 100 mm."
+        told = " Brakes on. Bolt 2.5 kg to wrist, its centre at 0, 10, 100 mm in its frame."
         assert told in stage.text()
         await stage.tell(pilot, prompted(posture_reached(at_posture)))
         assert f"At its posture, held.{told} Look" in stage.text()
