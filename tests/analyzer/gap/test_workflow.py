@@ -94,7 +94,7 @@ def test_a_hidden_delay_is_named():
 def test_one_posture_is_not_enough_and_says_what_to_measure(plain):
     first = plain.hits[0].posture
     alone = replace(plain, hits=tuple(h for h in plain.hits if h.posture == first))
-    with pytest.raises(EstimateError, match=r"at least 2 postures .* got 1; measure two more"):
+    with pytest.raises(EstimateError, match=r"at least 2 postures .* got 1; measure others"):
         find_gap(alone)
 
 
