@@ -146,9 +146,15 @@ class BesideOrdinary:
         return result
 
     def axes(self) -> tuple[AxisBeside, ...]:
-        """Return the axes in links, those of the arm file and one that was added."""
-        instances = self.fit.hypothesis.instances
-        return tuple(self._axis(i) for i in instances if i.effect == link_axis.WORDS)
+        """Return the axes in links that give way: of the arm file, and one that was added."""
+        return tuple(self._axis(i) for i in self._lines() if self.fit.values[i.size] > 0.0)
+
+    def locked_axes(self) -> tuple[str, ...]:
+        """Return the links whose axis, one of the arm file, gives way by nothing here."""
+        return tuple(i.place for i in self._lines() if self.fit.values[i.size] <= 0.0)
+
+    def _lines(self) -> list[Instance]:
+        return [i for i in self.fit.hypothesis.instances if i.effect == link_axis.WORDS]
 
     def _axis(self, instance: Instance) -> AxisBeside:
         told = intervals(self.fit, (instance.size, *instance.begins_at), self.inflation)

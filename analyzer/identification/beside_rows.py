@@ -77,11 +77,16 @@ def notes_beside(explained: Explained, beside: BesideOrdinary | None) -> tuple[s
         "are predicted; `k alone` is what a model of joints alone needs for the measured modes, "
         "and what `armodal predict` and exports have"
     )
+    locked = tuple(
+        f"the arm file's axis in {link} gives way by nothing beside these: its k is that beside "
+        "joints alone"
+        for link in beside.locked_axes()
+    )
     if explained is Explained.NOTHING:
-        return first, lacks
+        return first, *locked, lacks
     averaged = (
         "soft and hard hits are averaged: a joint that slips, softens or has play has no one k; "
         "`armodal gap` asks whether any does"
     )
     levels = [averaged] if beside.fit.hypothesis.ordinary.levels_hit else []
-    return (first, *levels, *notes_on_its_end(beside.fit))
+    return (first, *locked, *levels, *notes_on_its_end(beside.fit))

@@ -172,7 +172,9 @@ def identify(
         validation=tuple(
             result
             for frf, m, (own, _) in zip(held_out, checked, foretold, strict=True)
-            for result in own or validation_results(frf, m, by_posture[frf.posture])
+            for result in (
+                validation_results(frf, m, by_posture[frf.posture]) if own is None else own
+            )
         ),
         rivals=chosen.rivals,
         fit=fit,
@@ -198,14 +200,14 @@ def identify(
 
 def _foretold(
     beside: BesideOrdinary | None, session: Session, frf: FrequencyResponse, own: ModalModel
-) -> tuple[list[ValidationResult], tuple[str, ...]]:
-    """Modes foretold beside what is ordinary; none where joints alone have to, and why they do."""
+) -> tuple[list[ValidationResult] | None, tuple[str, ...]]:
+    """Modes foretold beside what is ordinary; None where joints alone have to, and why they do."""
     if beside is None:
-        return [], ()
+        return None, ()
     try:
         return validation_beside(beside, session, frf, own), ()
     except EstimateError as problem:
-        return [], (f"posture {frf.posture}: foretold by joints alone, since {problem}",)
+        return None, (f"posture {frf.posture}: foretold by joints alone, since {problem}",)
 
 
 def _modes(

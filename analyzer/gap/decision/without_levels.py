@@ -37,15 +37,13 @@ def titles(standing: Sequence[Fit]) -> str:
 
     A model that has nothing beside what all have, where others have something, is of nothing more.
     """
-    fewest = min(len(fit.hypothesis.instances) for fit in standing)
-    more = [fit.title for fit in standing if len(fit.hypothesis.instances) > fewest]
+    counts = [len(fit.hypothesis.instances) for fit in standing]
+    more = [f.title for f, n in zip(standing, counts, strict=True) if n > min(counts)]
     if any(is_alike(fit) for fit in standing):
         return " or ".join(
             [*(more or [f.title for f in standing if f.hypothesis.instances]), ALIKE]
         )
-    if not more:
-        return " or ".join(fit.title for fit in standing)
-    return " or ".join([*more, *(["nothing more"] if len(more) < len(standing) else [])])
+    return " or ".join([*more, "nothing more"] if more else [fit.title for fit in standing])
 
 
 def first_with_levels(

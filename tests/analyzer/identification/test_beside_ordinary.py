@@ -7,12 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.made_gap_fits import made_fit
 
+from armodal.analyzer.arm.superset import Superset
+from armodal.analyzer.gap.effects import link_axis
+from armodal.analyzer.gap.model.hypothesis import Hypothesis
+from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.identification.as_effects import identified_arm
+from armodal.analyzer.identification.beside_ordinary import BesideOrdinary
 from armodal.analyzer.identification.identify import identify
 from armodal.analyzer.identification.records import Explained
 from armodal.analyzer.identification.scatter import stated_half_width_95
 from armodal.hil_sim.makers import make_case
+from armodal.protocols.arm.files import load_arm
 
 # Of an estimate whose 95 % interval is 1.96 deviations: one joint of six beyond in 60 sessions.
 SURE = 3.0 / 1.96
@@ -87,6 +95,19 @@ def test_one_posture_cannot_tell_what_else_gives_way(session):
     (said,) = [note for note in alone.notes if "cannot be told" in note]
     assert "at least 2 postures" in said
     assert all(row.k_n_m_per_rad == row.k_alone_n_m_per_rad for row in alone.joints)
+
+
+@pytest.mark.parametrize("u", [0.0, 1.0])
+def test_an_axis_of_the_arm_file_that_gives_way_by_nothing_is_said(u):
+    ordinary = Ordinary(superset=Superset(load_arm("bench57")), postures=())
+    axis = link_axis.at_axis(ordinary, 1, np.eye(3)[0], np.zeros(3))
+    space = Space(axis.parameters)
+    at = np.array([u * (p.name == axis.size) for p in space.parameters])
+    fit = made_fit(Hypothesis(ordinary=ordinary, instances=(axis,)), cost=1.0, space=space, u=at)
+    beside = BesideOrdinary(stages=(), start={}, fit=fit)
+    assert beside.locked_axes() == ((axis.place,) if u == 0.0 else ())
+    if u == 0.0:
+        assert beside.axes() == ()
 
 
 @pytest.mark.long
