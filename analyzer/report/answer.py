@@ -68,7 +68,7 @@ def _foretold(gap: GapResult) -> Finding | None:
             text=text, sure="No posture was kept for validation: this is a fit, not a prediction."
         )
     names = " and ".join(dict.fromkeys(_without_level(row.posture) for row in unseen))
-    return Finding(text=text, sure=f"Not used in the fit: {names}.")
+    return Finding(text=text, sure=f"Left out of the last fit: {names}.")
 
 
 def _without_level(title: str) -> str:
