@@ -30,10 +30,11 @@ def largest_size(candidate: Candidate, phi: float) -> float:
 def extreme_sizes(candidate: Candidate, final: Fit, phi: float) -> tuple[float, ...]:
     """Return by how much a hidden effect could differ in size from what the final model has."""
     instance = candidate.instance
-    if instance.relaxes:
-        middle = candidate.size - final.values[instance.size]
+    if instance.size in instance.relaxes:
+        prior, here = instance.relaxes[instance.size], final.values[instance.size]
         reach = TWO_SIDED_95 * candidate.size_std * float(np.sqrt(phi))
-        return middle - reach, middle + reach
+        low, high = max(candidate.size - reach, prior.low), min(candidate.size + reach, prior.high)
+        return low - here, high - here
     largest = largest_size(candidate, phi)
     one_sided = not instance.parameters or instance.parameters[0].low >= 0.0
     return (largest,) if one_sided else (largest, -largest)
@@ -62,7 +63,8 @@ def _limits(candidate: Candidate, best: Fit, phi: float) -> tuple[float, ...]:
     """95 % limits of a hidden size: by the linear look, by its prior where that is blind."""
     instance = candidate.instance
     if instance.hides_in:
-        return tuple(ONE_SIDED_95 * p.std for p in instance.parameters if p.name == instance.size)
+        # Half a Gaussian: its 95 % limit is where a whole one has 2.5 % beyond.
+        return tuple(TWO_SIDED_95 * p.std for p in instance.parameters if p.name == instance.size)
     return extreme_sizes(candidate, best, phi)
 
 
@@ -141,7 +143,11 @@ def left_open(hiding: Sequence[Candidate], best: Fit, name: str, phi: float) -> 
     """
     off = 0.0
     for c in hiding:
-        there = c.size - best.values[c.instance.size] if c.instance.relaxes else c.size
+        there = (
+            c.size - best.values[c.instance.size]
+            if c.instance.size in c.instance.relaxes
+            else c.size
+        )
         shift = float(np.clip(c.follow.get(name, 0.0) * there, -_WIDEST, _WIDEST))
         odds = _BELIEVED * np.exp(min(c.gain / phi, _SURE_NATS))
         off = max(off, float(abs(shift) * np.sqrt(odds / (1.0 + odds))))

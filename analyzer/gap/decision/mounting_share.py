@@ -37,10 +37,15 @@ def mountings_worth(stage: Stage, without: Fit, better: Fit) -> float:
 
 
 def _by_mounting(stage: Stage, fit: Fit) -> Array:
-    """chi^2 / 2 of every mounting of every posture."""
-    found: list[Array] = [np.zeros(0)] * len(stage.lines)
+    """chi^2 / 2 of every mounting of every posture, its soft and hard hits together."""
+    found: dict[tuple[str, int, int], float] = {}
     for rows, together in stage.once(fit.hypothesis, range(len(stage.lines))):
         y = together.response(fit.hypothesis, fit.values).values
         for p, row in rows:
-            found[p] = stage.weighings[p].cost_by_mounting(y[row]).sum(axis=1)
-    return np.concatenate(found)
+            own = stage.lines[p]
+            places = zip(own.sensor_point.tolist(), own.hit_point[own.hit].tolist(), strict=True)
+            costs = stage.weighings[p].cost_by_mounting(y[row]).sum(axis=1)
+            for place, cost in zip(places, costs.tolist(), strict=True):
+                key = own.name, *place
+                found[key] = found.get(key, 0.0) + cost
+    return np.array([found[key] for key in sorted(found)])

@@ -86,6 +86,7 @@ def match_modes(
         Of the posture, which say where it was measured; ids of the arm's points, in order.
     """
     poles, shapes = poles_and_shapes(system)
+    poles = poles - system.decay_rad_s  # records that fall by themselves have poles further left
     measured_shapes, rows = _where_measured(measured, system, lines, points)
     seen = rows @ shapes
     pairs = []

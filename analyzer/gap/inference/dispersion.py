@@ -3,7 +3,8 @@
 Neighbouring lines, channels and points share what a model leaves, so that N of them weigh like
 fewer. Where a direction a of the parameters has curvature h_p = a'H_p a and slope g_p = a'g_p in
 posture p, independent errors give sum_p (g_p + h_p s)^2 / h_p a mean of P - 1 with the best common
-s: what it is beyond that is the factor by which the data's variance counts more.
+s: what it is beyond that is the factor by which the data's variance counts more. Soft and hard hits
+are of one posture: what the model's form lacks there, both lack.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from armodal.analyzer.gap.inference.fit import Fit, Stage
+from armodal.analyzer.gap.inference.left_out import of_postures
 
 __all__ = ["dispersion"]
 
@@ -20,10 +22,9 @@ _LEAST_SHARE = 0.02  # of a direction's curvature, for a posture to have a say
 
 def dispersion(stage: Stage, fit: Fit) -> float:
     """Return the factor of the data's variance, mean of the directions they tell; at least 1."""
-    parts = stage.quadratics(fit.hypothesis, fit.space, fit.values, range(len(stage.lines)))
-    f = fit.free
-    curvatures = np.array([part.curvature[np.ix_(f, f)] for part in parts])
-    gradients = np.array([part.gradient[f] for part in parts])
+    parts = of_postures(stage, fit).values()
+    curvatures = np.array([part.curvature for part in parts])
+    gradients = np.array([part.gradient for part in parts])
     told, directions = np.linalg.eigh(curvatures.sum(axis=0))
     directions = directions[:, told > _INFORMED]
     h = np.einsum("ik,pij,jk->kp", directions, curvatures, directions)

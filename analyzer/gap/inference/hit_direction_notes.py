@@ -19,15 +19,17 @@ _MUCH = 0.25
 
 def hit_direction_notes(stage: Stage, fit: Fit) -> list[str]:
     """Return a note for every posture where an ordinary error of the aim changes a line by much."""
-    ordinary = fit.hypothesis.ordinary
-    off_deg = np.rad2deg(ordinary.arm.tolerances.hit_direction_rad)
+    off_rad = fit.hypothesis.ordinary.arm.tolerances.hit_direction_rad
+    off_deg = np.rad2deg(off_rad)
     found: dict[str, str] = {}
     for rows, postures in stage.once(fit.hypothesis, range(len(stage.lines))):
         y, dy = postures.derivatives(fit.hypothesis, fit.space, fit.values)
         for p, i in rows:
             lines = stage.lines[p]
             sides = [fit.space.index[f"aim {side} {lines.name}"] for side in "ab"]
-            by_hit_direction = np.sum(np.abs(dy[sides, i]) ** 2, axis=(0, 1, 2))
+            # An effect may have named its aim and widened the prior by which `dy` is.
+            per_tolerance = off_rad / fit.space.std[sides, None, None, None]
+            by_hit_direction = np.sum(np.abs(per_tolerance * dy[sides, i]) ** 2, axis=(0, 1, 2))
             part = np.sqrt(by_hit_direction / np.sum(np.abs(y[i]) ** 2, axis=(0, 1)))
             worst = int(np.argmax(part))
             if part[worst] > _MUCH:

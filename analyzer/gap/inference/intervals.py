@@ -62,7 +62,8 @@ def _limit_from_bound(
     f = fit.free
     across = fit.curvature[i, f] / inflation
     h = fit.curvature[i, i] / inflation + 1.0 - across @ covariance[np.ix_(f, f)] @ across
-    g = abs((fit.slope[i] - fit.u[i]) / inflation + fit.u[i])
+    # Inwards. Below zero where the data alone hold it there, and weigh less than its prior now.
+    g = np.sign(fit.slope[i]) * ((fit.slope[i] - fit.u[i]) / inflation + fit.u[i])
     alpha = g / np.sqrt(h)
     beyond = -scipy.special.ndtri_exp(np.log(0.05) + scipy.special.log_ndtr(-alpha))
     return float((beyond - alpha) / np.sqrt(h))

@@ -28,7 +28,7 @@ import numpy.typing as npt
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.weigh import Quadratic
 
-__all__ = ["foretold_by_priors", "left_out"]
+__all__ = ["foretold_by_priors", "left_out", "of_postures"]
 
 Array = npt.NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def left_out(stage: Stage, fit: Fit) -> dict[str, float]:
     -------
         Nats by the posture's name, up to a constant that no hypothesis changes.
     """
-    parts = _of_postures(stage, fit)
+    parts = of_postures(stage, fit)
     A = np.eye(int(fit.free.sum())) + sum(part.curvature for part in parts.values())
     slope = fit.u[fit.free] + sum(part.gradient for part in parts.values())
     whole = _log_density(A, slope)
@@ -68,11 +68,11 @@ def foretold_by_priors(stage: Stage, fit: Fit) -> dict[str, float]:
         name: part.cost
         + believed
         - _log_density(np.eye(len(u)) + part.curvature, u + part.gradient)
-        for name, part in _of_postures(stage, fit).items()
+        for name, part in of_postures(stage, fit).items()
     }
 
 
-def _of_postures(stage: Stage, fit: Fit) -> dict[str, Quadratic]:
+def of_postures(stage: Stage, fit: Fit) -> dict[str, Quadratic]:
     """Each posture's part of the quadratic about a fit's end, of its free parameters."""
     f = fit.free
     parts = stage.quadratics(fit.hypothesis, fit.space, fit.values, range(len(stage.lines)))

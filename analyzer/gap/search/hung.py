@@ -57,11 +57,13 @@ def pulls_along_lines(
         for link in range(1, len(ordinary.arm.joints))
         if at_line(ordinary, link, up, np.zeros(3)).key not in present
     ]
+    if not links:
+        return []
     band = np.concatenate([own.s_rad_s.imag for own in stage.lines]) / (2.0 * np.pi)
     n = 1 + int(np.log(band.max() / band.min()) / np.log1p(_STEP))
     tried_hz = np.geomspace(band.min(), band.max(), n)
     laws = [lambda s, w=2.0 * np.pi * f: law(s, w) for f in tried_hz]
-    std = at_line(ordinary, links[0], up, np.zeros(3)).parameters[0].std if links else 0.0
+    std = at_line(ordinary, links[0], up, np.zeros(3)).parameters[0].std
     found = []
     for number, line in _best_pulls(stage, fit, laws, std, links):
         instance = at_line(ordinary, line.link, line.direction, line.point_m)

@@ -18,7 +18,7 @@ Lange, Little and Taylor, J. American Statistical Association 84 (1989) 881.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -78,7 +78,7 @@ def replica_gains(
     kept = tuple(i for i in best.hypothesis.instances if all(i is not a for a in added))
     # A wider prior is in the values; what an effect does beside it stays.
     firm = tuple(replace(i, relaxes={}) for i in added)
-    new = tuple(small(i) for i in others if i.parameters and not i.relaxes)
+    new = tuple(replace(small(i), relaxes={}) for i in others if i.parameters)
     wide = replace(best.hypothesis, instances=(*kept, *firm, *new))
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **best.values}
@@ -100,29 +100,30 @@ def replica_gains(
     covariance = np.linalg.inv(H[np.ix_(free, free)] + np.eye(len(free)))
     back = covariance @ (G[free] + prior)
 
-    row_of = {int(i): k for k, i in enumerate(free)}
+    names = list(at)
+    row_of = {names[i]: k for k, i in enumerate(free)}
     gains, ratios, own_ratios = [], [], []
     alone = opposed(parts)  # errors of single hits, where soft and hard ones are apart
     G_alone = _drawn(alone, fitted, rng) if alone else G
     back_alone = covariance @ (G_alone[free] + prior)
     for instance in instances:
-        if instance.relaxes:
-            names = [n for n in instance.relaxes if n in at]
-            columns = np.array([at[n] for n in names])
-            rows = np.array([row_of[i] for i in columns])
-            mean, std = space.mean[columns], space.std[columns]
-            wider = np.array([instance.relaxes[n].std for n in names])
-            shift = (mean - np.array([instance.relaxes[n].mean for n in names])) / std
-            Q = np.linalg.inv(covariance[np.ix_(rows, rows)])
-            gains.append(_relaxed(Q, -back[rows], prior[rows], std / wider, shift))
-            continue
-        columns = np.array([at[p.name] for p in instance.parameters])
+        columns = np.array([at[p.name] for p in instance.parameters], dtype=np.int64)
         B = H[np.ix_(free, columns)]
         S = H[np.ix_(columns, columns)] + np.eye(len(columns)) - B.T @ covariance @ B
         slope = G[columns] - B.T @ back
         sizes = (instance.size, *instance.sizes)
-        one_sided = np.array([p.low >= 0.0 and p.name in sizes for p in instance.parameters])
-        gains.append(_added(S, slope, one_sided))
+        one_sided = np.array(
+            [p.low >= 0.0 and p.name in sizes for p in instance.parameters], dtype=bool
+        )
+        gained = _added(S, slope, one_sided) if columns.size else np.zeros(_N_REPLICAS)
+        if instance.relaxes:
+            # Its own columns follow too, from where they are best.
+            along = covariance @ B
+            C = covariance + along @ np.linalg.solve(S, along.T)
+            best_point = along @ np.linalg.solve(S, slope) - back
+            gains.append(gained + _relaxed(C, best_point, prior, row_of, instance, space))
+            continue
+        gains.append(gained)
         k = [p.name for p in instance.parameters].index(instance.size)
         ratios.append(float(np.var(slope[k]) / S[k, k]))
         slope_alone = G_alone[columns[k]] - B[:, k] @ back_alone
@@ -182,19 +183,33 @@ def _added(S: Array, slope: Array, one_sided: npt.NDArray[np.bool_]) -> Array:
     return np.asarray(np.where((step[one_sided] >= 0.0).all(axis=0), whole, fewer))
 
 
-def _relaxed(Q: Array, best: Array, prior: Array, narrower: Array, shift: Array) -> Array:
+def _relaxed(
+    covariance: Array,
+    best: Array,
+    prior: Array,
+    row_of: Mapping[str, int],
+    instance: Instance,
+    space: Space,
+) -> Array:
     """Evidence gained when priors become wide.
 
     Parameters
     ----------
-    Q, best
-        (k, k) precision and (k, n) best point of the parameters with narrow priors, all others
-        following.
+    covariance, best
+        (k, k) and (k, n) best point of ordinary parameters with narrow priors.
     prior
         (k, n) how far from their narrow priors' means replicas begin.
-    narrower, shift
-        (k,) narrow over wide deviation; narrow mean less wide one. In narrow deviations.
+    row_of
+        Their rows by name.
     """
+    names = [n for n in instance.relaxes if n in row_of]
+    rows = [row_of[n] for n in names]
+    columns = [space.index[n] for n in names]
+    mean, std = space.mean[columns], space.std[columns]
+    # Narrow over wide deviation; narrow mean less wide one, in narrow deviations.
+    narrower = std / np.array([instance.relaxes[n].std for n in names])
+    shift = (mean - np.array([instance.relaxes[n].mean for n in names])) / std
+    Q, best, prior = np.linalg.inv(covariance[np.ix_(rows, rows)]), best[rows], prior[rows]
     keep = narrower[:, None] ** 2
     there = prior + shift[:, None]
     W = Q - np.eye(len(Q)) + np.diag(narrower**2)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.gap.inference.box import least_in_box
 from armodal.analyzer.gap.inference.fit import Fit, Stage
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.space import Space
@@ -46,7 +47,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
     found = []
     for instance in instances:
         if not instance.parameters or instance.relaxes:
-            found.append(_relaxed(fit, instance))
+            found.append(_relaxed(fit, instance, space, gradient, curvature))
             continue
         names = [p.name for p in instance.parameters]
         own = np.array([space.index[n] for n in names])
@@ -80,7 +81,7 @@ def scan_instances(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> lis
 
 def _wide(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> tuple[Space, Array, Array]:
     """Space, gradient and curvature of a fit's hypothesis with all of the instances at no size."""
-    new = [small(i) for i in instances if i.parameters and not i.relaxes]
+    new = [replace(small(i), relaxes={}) for i in instances if i.parameters]
     wide = replace(fit.hypothesis, instances=(*fit.hypothesis.instances, *new))
     space = wide.space()
     values = {**{p.name: p.first for p in space.parameters}, **fit.values}
@@ -137,41 +138,62 @@ def _gain(
     return 0.0, whole, std, np.asarray(-own_way), np.asarray(-along)
 
 
-def _relaxed(fit: Fit, instance: Instance) -> Candidate:
-    """What is gained when priors become wide; size, its deviation, what follows it.
+def _relaxed(
+    fit: Fit, instance: Instance, space: Space, gradient: Array, curvature: Array
+) -> Candidate:
+    """What is gained when priors become wide, within their bounds; size, deviation, what follows.
 
-    The fit's own slope, where it has not converged or rests at a limit, counts with both priors.
+    Parameters it brings beside move too. The fit's own slope, where it has not converged or rests
+    at a limit, counts with both priors.
+
+    Parameters
+    ----------
+    space, gradient, curvature
+        Of the data, with all instances at no size.
     """
-    A = fit.curvature + np.eye(len(fit.u))
-    wide, slope = A.copy(), fit.slope.copy()
-    free = fit.free.copy()
+    brought = [p.name for p in instance.parameters]
+    names = [*fit.space.index, *brought]
+    at = np.array([space.index[name] for name in names])
+    mean, unit = space.mean[at], space.std[at]
+    first = [(p.first - p.mean) / p.std for p in small(instance).parameters]
+    u = np.concatenate([fit.u, first])
+    wide = curvature[np.ix_(at, at)] + np.eye(len(at))
+    A = wide[: len(fit.u), : len(fit.u)].copy()
+    slope = gradient[at] + u
+    left = slope[: len(fit.u)][fit.free]
+    free = np.concatenate([fit.free, np.ones(len(brought), dtype=bool)])
+    low, high = np.full(len(at), -np.inf), np.full(len(at), np.inf)
     gain = 0.0
     for name, prior in instance.relaxes.items():
         i = fit.space.index[name]
-        narrow = fit.space.std[i]
+        narrow = unit[i]
         keep = (narrow / prior.std) ** 2
-        u = fit.u[i] + (fit.space.mean[i] - prior.mean) / narrow
+        there = u[i] + (mean[i] - prior.mean) / narrow
         wide[i, i] += keep - 1.0
-        slope[i] += keep * u - fit.u[i]
+        slope[i] += keep * there - u[i]
         free[i] = True
-        gain += 0.5 * (fit.u[i] ** 2 - keep * u**2)
-    was = np.flatnonzero(fit.free)
-    gain -= 0.5 * float(fit.slope[was] @ np.linalg.solve(A[np.ix_(was, was)], fit.slope[was]))
+        gain += 0.5 * (u[i] ** 2 - keep * there**2)
+        low[i] = (prior.low - mean[i]) / narrow - u[i]
+        high[i] = (prior.high - mean[i]) / narrow - u[i]
+    gain -= 0.5 * float(left @ np.linalg.solve(A[np.ix_(fit.free, fit.free)], left))
     now = np.flatnonzero(free)
-    inverse = np.linalg.inv(wide[np.ix_(now, now)])
-    step = -inverse @ slope[now]
-    gain -= 0.5 * float(step @ slope[now])
-    if instance.size not in fit.space.index:
+    W = wide[np.ix_(now, now)]
+    step = least_in_box(W, slope[now], low[now], high[now])
+    gain -= float(slope[now] @ step + 0.5 * step @ W @ step)
+    if instance.size not in names:
         return Candidate(instance=instance, gain=gain)
-    i = fit.space.index[instance.size]
-    at = int(np.flatnonzero(now == i)[0])
-    unit = float(fit.space.std[i])
-    follow = inverse[:, at] / inverse[at, at] * fit.space.std[now] / unit
-    names = np.array(list(fit.space.index))[now].tolist()
+    i = names.index(instance.size)
+    k = int(np.flatnonzero(now == i)[0])
+    inverse = np.linalg.inv(W)
+    follow = inverse[:, k] / inverse[k, k] * unit[now] / unit[i]
     return Candidate(
         instance=instance,
         gain=gain,
-        size=float(fit.space.mean[i]) + unit * float(fit.u[i] + step[at]),
-        size_std=unit * float(np.sqrt(inverse[at, at])),
-        follow=dict(zip(names, follow.tolist(), strict=True)),
+        size=float(mean[i] + unit[i] * (u[i] + step[k])),
+        size_std=float(unit[i] * np.sqrt(inverse[k, k])),
+        follow={
+            names[n]: per
+            for n, per in zip(now.tolist(), follow.tolist(), strict=True)
+            if n < len(fit.u)
+        },
     )

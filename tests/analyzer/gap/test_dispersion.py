@@ -16,6 +16,12 @@ def rng():
     return np.random.default_rng(5)
 
 
+def made_stage(parts, names="abcde"):
+    """A stage of as many postures as there are parts; of fewer where names are the same."""
+    lines = [SimpleNamespace(name=name) for name, _ in zip(names, parts, strict=False)]
+    return SimpleNamespace(lines=lines, quadratics=lambda *_: parts)
+
+
 def scattered(rng, factor):
     """A stage and a fit whose postures' slopes scatter `factor` times as their curvature says."""
     parts = []
@@ -24,7 +30,7 @@ def scattered(rng, factor):
         curvature = root @ root.T
         slope = np.sqrt(factor) * root @ rng.normal(size=3 * N)
         parts.append(Quadratic(cost=0.0, gradient=slope, curvature=curvature))
-    stage = SimpleNamespace(lines=range(POSTURES), quadratics=lambda *_: parts)
+    stage = made_stage(parts)
     fit = SimpleNamespace(
         hypothesis=None, space=None, values={}, free=np.ones(N, dtype=bool), parts=parts
     )
@@ -45,5 +51,16 @@ def test_it_is_never_below_one(rng):
 
 def test_a_posture_alone_says_nothing(rng):
     _, fit = scattered(rng, 9.0)
-    alone = SimpleNamespace(lines=range(1), quadratics=lambda *_: fit.parts[:1])
-    assert dispersion(alone, fit) == 1.0
+    assert dispersion(made_stage(fit.parts[:1]), fit) == 1.0
+
+
+def test_soft_and_hard_hits_of_a_posture_are_no_two_postures(rng):
+    stage, fit = scattered(rng, 4.0)
+    halves = [
+        Quadratic(cost=0.0, gradient=0.5 * p.gradient, curvature=0.5 * p.curvature)
+        for p in fit.parts
+        for _ in range(2)
+    ]
+    assert dispersion(made_stage(halves, "aabbccddee"), fit) == pytest.approx(
+        dispersion(stage, fit)
+    )

@@ -30,10 +30,19 @@ class Postures:
         return SimpleNamespace(values=np.array(hypothesis.left, dtype=np.float64).reshape(2, -1))
 
 
+def hit(name):
+    """Lines of three mountings of a posture, hit once each."""
+    at = np.arange(3)
+    return SimpleNamespace(name=name, sensor_point=at, hit=at * 0, hit_point=np.array([7]))
+
+
 class TwoPostures:
     """What shared asks of a stage: two postures, solved together."""
 
-    lines = weighings = (Weighed(), Weighed())
+    weighings = (Weighed(), Weighed())
+
+    def __init__(self, *names):
+        self.lines = tuple(hit(name) for name in names or "ab")
 
     def once(self, _hypothesis, postures):
         yield [(p, p) for p in postures], Postures()
@@ -46,6 +55,11 @@ BEFORE = left(9.0, 9.0, 9.0, 9.0, 9.0, 9.0)
 def test_n_mountings_that_bring_the_same_are_n(n):
     after = left(*(4.0 if i < n else 9.0 for i in range(6)))
     assert mountings_worth(TwoPostures(), BEFORE, after) == pytest.approx(n)
+
+
+def test_soft_and_hard_hits_of_a_mounting_are_one():
+    after = left(4.0, 4.0, 9.0, 4.0, 4.0, 9.0)
+    assert mountings_worth(TwoPostures("a", "a"), BEFORE, after) == pytest.approx(2.0)
 
 
 def test_one_mounting_that_brings_nearly_all_is_hardly_more_than_one():

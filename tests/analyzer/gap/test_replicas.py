@@ -38,6 +38,7 @@ LOOSE = Instance(
     relaxes={"o1": Parameter(name="o1", unit="", mean=0.0, std=10.0)},
     size="o1",
 )
+BOTH = replace(LOOSE, effect=SimpleNamespace(name="both"), parameters=(SIZE,), size="size")
 
 
 @pytest.fixture
@@ -92,7 +93,9 @@ def fitted_gains(parts, instance):
         mean, std = rng.standard_t(4.0, 4), np.ones(4)  # tolerances may be wrong
         without, _ = evidence(flat[:4], r, mean, std)
         if instance.relaxes:
-            wide, _ = evidence(flat[:4], r, mean * [1, 0, 1, 1], std * [1, 10, 1, 1])
+            mean, std = mean * [1, 0, 1, 1], std * [1, 10, 1, 1]
+            n = 4 + len(instance.parameters)
+            wide, _ = evidence(flat[:n], r, np.append(mean, 0.0)[:n], np.append(std, 1.0)[:n])
             found.append(without - wide)
             continue
         with_it, u = evidence(flat, r, np.append(mean, 0.0), np.ones(5))
@@ -102,7 +105,7 @@ def fitted_gains(parts, instance):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("instance", [GROWS, LOOSE, EITHER_WAY])
+@pytest.mark.parametrize("instance", [GROWS, LOOSE, EITHER_WAY, BOTH])
 def test_gains_scatter_as_those_of_fitted_replicas(instance, linear):
     found = replica_gains(None, null(), (), [instance, OTHER])
     fitted = fitted_gains(linear, instance)
