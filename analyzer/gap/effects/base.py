@@ -15,6 +15,7 @@ from armodal.analyzer.gap.model.geometry import skew
 from armodal.analyzer.gap.model.interface import loss_factor_parameter
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.priors import BASE_FARTHEST_M
+from armodal.analyzer.gap.model.scales import foot_m
 from armodal.analyzer.gap.model.soft_parts import BASE_TURN, BASE_WAYS
 from armodal.analyzer.gap.model.space import Parameter
 
@@ -54,6 +55,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
         rocking = np.zeros((2, ordinary.superset.n))  # about lines through the pivot
         lower = np.zeros((2, ordinary.superset.n))
         rocking[:, 3:5], lower[:, :3] = np.eye(2), _UP[:, :2].T
+        rocking[:, :3] += np.cross(foot_m(ordinary.superset), np.eye(3)[:2])
         rocking += values[pivot] * lower
         turned, across = np.array([[c, s], [-s, c]]), np.array([[-s, c], [-c, -s]])
         at = [assembly.names[name] for name in names[3:5]]

@@ -55,7 +55,7 @@ def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> 
         follow = np.linalg.solve(A, B.T).T
         left = w**2 @ curvature[:, at, at] + 1.0 - np.sum(B * follow, axis=1)
         gain = np.where(slope < 0.0, 0.5 * slope**2 / left, 0.0)
-        stiff, _, angle, ratio, *_ = gravity_compensator.names_at(instance.place)
+        stiff, _, angle, ratio, *_, growth = gravity_compensator.names_at(instance.place)
         for i in _peaks(gain.reshape(len(_RATIOS), len(_ANGLES))):
             step = -slope[i] / left[i]
             u = fit.u.copy()
@@ -65,6 +65,7 @@ def linear_candidates(stage: Stage, fit: Fit, instances: Sequence[Instance]) -> 
                 stiff: float(step * gravity_compensator.STD),
                 angle: float(grid[i][0]),
                 ratio: float(np.log(grid[i][1])),
+                growth: 0.0,  # as it was looked at
             }
             found.append(Candidate(instance=instance, gain=float(gain[i]), begin=begin))
     return sorted(found, key=lambda c: -c.gain)

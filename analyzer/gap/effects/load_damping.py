@@ -30,7 +30,7 @@ _MATERIAL = 0.3  # more damping at the largest load
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     """One for each elastic joint that weight can load."""
-    return tuple(_at(ordinary, i) for i in ordinary.loaded)
+    return tuple(_at(ordinary, i) for i in ordinary.loaded if _largest_load(ordinary, i) > 0.0)
 
 
 def _at(ordinary: Ordinary, i: int) -> Instance:
@@ -40,7 +40,7 @@ def _at(ordinary: Ordinary, i: int) -> Instance:
     column = ordinary.superset.joint_column(i)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        load = abs(gravity_load(assembly.geometry, links, column))
+        load = abs(gravity_load(assembly.geometry, links, column, assembly.lines.known_mass))
         c = float(np.exp(values[f"ln c {joint}"]))
         row = assembly.joint_row(joint)
         assembly.add_stretch(

@@ -10,6 +10,7 @@ from armodal.analyzer.gap.model.gravity_load import gravity_load
 from armodal.analyzer.gap.model.joint_laws import ElementOf, JointLaw
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
+from armodal.protocols.plan_records import KnownMass
 
 __all__ = ["law_instance", "law_of_file"]
 
@@ -44,8 +45,8 @@ def law_instance(
     links = tuple(own.link for own in ordinary.arm.joints)
     column = ordinary.superset.joint_column(at)
 
-    def load(geometry: PostureGeometry) -> float:
-        return gravity_load(geometry, links, column)
+    def load(geometry: PostureGeometry, bolted_on: KnownMass | None) -> float:
+        return gravity_load(geometry, links, column, bolted_on)
 
     def initial(values: Mapping[str, float]) -> list[Mapping[str, float]]:
         return [{**values, **start} for start in starting_points]

@@ -46,8 +46,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
             f"servo rotor {joint}",
             f"servo loss {joint}",
         )
-        believed = ordinary.arm.joints[i].stiffness
-        gamma = 1.0 / believed.value if believed is not None else 1e-5
+        gamma = ordinary.scale(i)
 
         def build(
             assembly: Assembly,

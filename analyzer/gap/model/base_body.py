@@ -23,6 +23,7 @@ from armodal.analyzer.gap.model.priors import (
     BASE_RADIUS_MOST,
     BASE_RADIUS_STD,
 )
+from armodal.analyzer.gap.model.scales import foot_m
 from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["BASE_BODY", "BASE_MASS_NAME", "add_base_body", "base_body_parameters"]
@@ -53,9 +54,9 @@ def base_body_parameters(superset: Superset, plate_m: float) -> Iterator[Paramet
         yield Parameter(name=name, unit="m", mean=0.0, std=BASE_ASIDE_STD * plate_m, untold=0.0)
 
 
-def add_base_body(assembly: Assembly, values: Mapping[str, float]) -> None:
-    """Add it; its derivatives are known."""
-    center = np.array([values[name] for name in (*_ASIDE, _HEIGHT)])
+def add_base_body(assembly: Assembly, superset: Superset, values: Mapping[str, float]) -> None:
+    """Add it where the arm stands; its derivatives are known."""
+    center = foot_m(superset) + [values[name] for name in (*_ASIDE, _HEIGHT)]
     here, slopes = _inertia(values[BASE_MASS_NAME], center, values[_RADIUS])
     assembly.base_inertia = assembly.base_inertia + here
     for name, slope in zip((BASE_MASS_NAME, *_ASIDE, _HEIGHT, _RADIUS), slopes, strict=True):

@@ -177,9 +177,9 @@ class Solved:
         if found.system.hit.shape[1] == 1:
             hit = [int(own.lines.hit_point[0]) for own in self.assemblies]
             for axis in range(3):
+                # Where it was struck in truth, which an effect may say.
                 along = [
-                    own.geometry.point_rotation[point, :, axis]
-                    for own, point in zip(self.assemblies, hit, strict=True)
+                    own.geometry.point_rotation[own.struck[0], :, axis] for own in self.assemblies
                 ]
                 by_place = found.by_moment(0, np.cross(along, self.exact.system.force[:, 0]))
                 for p, point in enumerate(hit):

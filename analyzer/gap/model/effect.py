@@ -235,4 +235,4 @@ class Instance:
         here = self.linear_law(assembly.lines)
         if here is not None:
             return here.log_k, here.log_c
-        return harmonic_spring(law, values, assembly.lines.level, assembly.geometry)
+        return harmonic_spring(law, values, assembly.lines, assembly.geometry)

@@ -19,6 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.model.geometry import PostureGeometry
+from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.protocols.plan_records import KnownMass
 
 __all__ = [
     "Bent",
@@ -95,7 +97,8 @@ class JointLaw:
     element: ElementOf
     swing_rad: float  # of a hit of the middle level, where it moves the joint most
     rate_rad_s: float  # of those swings: the joint's rate over its turn
-    load_n_m: Callable[[PostureGeometry], float]  # torque that the arm's weight puts on it
+    # Torque that the weight puts on it, of the arm and of a mass that is bolted on.
+    load_n_m: Callable[[PostureGeometry, KnownMass | None], float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -284,14 +287,15 @@ def over_a_swing(element: Element, swing_rad: float, rate_rad_s: float) -> tuple
 
 
 def harmonic_spring(
-    law: JointLaw, values: Mapping[str, float], level: float, geometry: PostureGeometry
+    law: JointLaw, values: Mapping[str, float], lines: PostureLines, geometry: PostureGeometry
 ) -> tuple[float, float]:
-    """What a law adds to a joint's ln k and ln c for harmonic swings of a level.
+    """What a law adds to a joint's ln k and ln c for harmonic swings of the lines' level.
 
-    `level` is the logarithm of the swing over the law's own.
+    That is the logarithm of the swing over the law's own.
     """
-    element = law.element(values, law.load_n_m(geometry))
-    stiffness, loss = over_a_swing(element, law.swing_rad * float(np.exp(level)), law.rate_rad_s)
+    element = law.element(values, law.load_n_m(geometry, lines.known_mass))
+    swing_rad = law.swing_rad * float(np.exp(lines.level))
+    stiffness, loss = over_a_swing(element, swing_rad, law.rate_rad_s)
     return added_logs(law, values, stiffness, loss / law.rate_rad_s)
 
 

@@ -62,7 +62,10 @@ def with_all_slopes(
     table = dict(about.table)
     counts = [len(turn[0]) for turn, _ in followed]
     geometries = [model.geometry(plain.ordinary, values) for model in models]
-    every = [law.element(values, law.load_n_m(geometry)) for geometry in geometries]
+    every = [
+        law.element(values, law.load_n_m(geometry, own.known_mass))
+        for geometry, own in zip(geometries, lines, strict=True)
+    ]
     tangents = tangents_along(
         stacked(every, counts),
         np.concatenate([turn[0] for turn, _ in followed]),

@@ -250,7 +250,7 @@ def _followed(law: JointLaw, cases: Sequence[_Case], lines: Sequence[PostureLine
             turns = free_turns(posture.swings[0], own.hit, forces_of(own.peaks_n, own.width_s))
             for point in every:
                 free.append(turns)
-                elements.append(law.element(point, law.load_n_m(posture.geometry)))
+                elements.append(law.element(point, law.load_n_m(posture.geometry, own.known_mass)))
                 counts.append(len(turns))
             groups += [before + names.index(own.name)] * len(turns) * len(every)
     with np.errstate(over="ignore", invalid="ignore"):

@@ -178,11 +178,15 @@ class Ordinary:
 
     @property
     def loaded(self) -> tuple[int, ...]:
-        """Return the elastic joints that weight can load: all but a first that stands upright."""
-        gravity = self.arm.gravity_m_s2 / np.linalg.norm(self.arm.gravity_m_s2)
-        first = self.arm.joints[0]
-        upright = abs(gravity @ first.T_parent_joint[:3, :3] @ first.axis) > _UPRIGHT
-        return tuple(i for i in self.elastic if i > 0 or not upright)
+        """Return the elastic joints that weight can load: all from the first not upright."""
+        gravity = self.arm.gravity_m_s2
+        R, upright = np.eye(3), 0
+        for joint in self.arm.joints:
+            R = R @ joint.T_parent_joint[:3, :3]
+            if abs(gravity @ R @ joint.axis) <= _UPRIGHT * np.linalg.norm(gravity):
+                break
+            upright += 1
+        return tuple(i for i in self.elastic if i >= upright and gravity.any())
 
     def inertia_names(self, link: int) -> tuple[str, ...]:
         """Return the names of a link's ten inertial parameters."""
@@ -236,7 +240,7 @@ class Ordinary:
                 assembly.add_drive(joint.name, column, k, c, values)
         assembly.loss_power = values[LOSS_POWER]
         add_soft_parts(assembly, superset, values)
-        add_base_body(assembly, values)
+        add_base_body(assembly, superset, values)
         assembly.log_scale = -values["ln hammer"]
         assembly.delay_s = values["delay"]
         return assembly

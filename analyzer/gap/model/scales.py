@@ -5,11 +5,15 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.priors import LEAST_CARRIED, UNTOLD
+from armodal.protocols.arrays import frozen_array
 
-__all__ = ["compliance", "doubt", "reach_m", "scale"]
+__all__ = ["compliance", "doubt", "foot_m", "reach_m", "scale"]
+
+Array = npt.NDArray[np.float64]
 
 
 def compliance(superset: Superset) -> float:
@@ -19,9 +23,29 @@ def compliance(superset: Superset) -> float:
 
 
 def reach_m(superset: Superset) -> float:
-    """Return the length of an arm's chain, from its base to its last joint."""
-    steps = (joint.T_parent_joint[:3, 3] for joint in superset.arm.joints)
-    return float(sum(np.linalg.norm(step) for step in steps))
+    """Return the length of an arm's chain, from its foot to its last joint.
+
+    Of an arm whose joints are all in one place, how far its bodies and points reach.
+    """
+    joints, points = superset.arm.joints, superset.arm.points
+    steps = [np.array(joint.T_parent_joint[:3, 3]) for joint in joints]
+    steps[0] -= foot_m(superset)
+    chain = float(sum(np.linalg.norm(step) for step in steps))
+    places = [*(joint.link.center_m for joint in joints), *(point.position_m for point in points)]
+    return chain or max(float(np.linalg.norm(place)) for place in places)
+
+
+@lru_cache(maxsize=16)
+def foot_m(superset: Superset) -> Array:
+    """Return (3,) where the arm stands on the level of its base's frame, in that frame.
+
+    Below its first axis where that passes nearest to the origin, which a URDF may have anywhere in
+    a room.
+    """
+    first = superset.arm.joints[0]
+    along, at = first.T_parent_joint[:3, :3] @ first.axis, first.T_parent_joint[:3, 3]
+    nearest = at - along * (along @ at)
+    return frozen_array([*nearest[:2], 0.0], np.float64)
 
 
 def scale(superset: Superset, joint: int) -> float:

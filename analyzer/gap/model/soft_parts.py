@@ -35,7 +35,7 @@ from armodal.analyzer.gap.model.priors import (
     TURN_MOST,
     TURN_STD,
 )
-from armodal.analyzer.gap.model.scales import compliance, doubt, reach_m, scale
+from armodal.analyzer.gap.model.scales import compliance, doubt, foot_m, reach_m, scale
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arrays import frozen_array
 
@@ -97,6 +97,8 @@ def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, 
                 assembly.motion_of[lean] = [(at, columns[0])]
     c, s = np.cos(values[BASE_TURN.name]), np.sin(values[BASE_TURN.name])
     units = {way: assembly.unit(i) for i, way in enumerate(BASE_WAYS)}
+    for axis, way in zip(np.eye(3), BASE_WAYS[3:], strict=True):  # about the arm's foot
+        units[way][:3] += np.cross(foot_m(superset), axis)
     x, y = units["rock x"], units["rock y"]
     turned = {"rock x": c * x + s * y, "rock y": c * y - s * x}
     at_of = {

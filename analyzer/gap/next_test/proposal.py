@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.inference.fit import Fit, Stage, best_starting_point, fit_hypothesis
+from armodal.analyzer.gap.model.assembly import BASE
 from armodal.analyzer.gap.model.columns import Columns
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -25,7 +27,6 @@ from armodal.analyzer.gap.model.weigh import Discrepancy, Weighing
 from armodal.analyzer.gap.model.weighed_sums import summed
 from armodal.analyzer.gap.next_test.possible_tests import Doable, Test, possible_tests
 from armodal.analyzer.gap.search.scan import Candidate
-from armodal.protocols.arm.records import Tolerances
 
 __all__ = [
     "evidence_brought",
@@ -122,7 +123,7 @@ def expected_evidence(
         for t, (blanks, floors) in zip(at_once, lines, strict=True):
             rows = range(first, first + len(blanks))
             own = [_of_rows(answer, rows) for answer in answers]
-            found[t] = _least_evidence(blanks, floors, ready, own, superset.arm.tolerances)
+            found[t] = _least_evidence(blanks, floors, ready, own, superset)
             first += len(blanks)
     return found
 
@@ -162,7 +163,7 @@ def _least_evidence(
     floors: Sequence[Array],
     ready: Sequence[_Ready],
     answers: Sequence[Sequence[_Answer]],
-    tolerances: Tolerances,
+    superset: Superset,
 ) -> float:
     """Of one test: its lines, and what each rival gives."""
     least = np.inf
@@ -174,7 +175,7 @@ def _least_evidence(
             for p, own in ready[true].by_hit_direction(pairs, dy)
         }
         weighings = [
-            _weighing(blank, floor, would[p], by_hit_direction[p], tolerances)
+            _weighing(blank, floor, would[p], by_hit_direction[p], superset)
             for p, (blank, floor) in enumerate(zip(blanks, floors, strict=True))
         ]
         surprises = [_surprise(weighings, own, of) for own, of in zip(ready, answers, strict=True)]
@@ -188,7 +189,7 @@ def _weighing(
     floor: Array,
     would: ComplexArray,
     by_hit_direction: Array,
-    tolerances: Tolerances,
+    superset: Superset,
 ) -> Weighing:
     """Of what a rival would give: scatter, the blank's, goes with the answer, noise does not.
 
@@ -197,7 +198,8 @@ def _weighing(
     size = float(np.mean(np.abs(would) ** 2) / np.mean(np.abs(blank.values) ** 2))
     variance = floor + np.maximum(blank.variance * size, by_hit_direction)
     lines = replace(blank, values=would, variance=variance)
-    return Weighing(lines, tolerances, Discrepancy())
+    on_base = np.array(superset.point_link)[lines.sensor_point] == BASE
+    return Weighing(lines, superset.arm.tolerances, Discrepancy(), on_base=on_base)
 
 
 def evidence_brought(one: Fit, other: Fit, stage: Stage) -> float:

@@ -25,6 +25,7 @@ class Drive:
     tilt_loss: float  # loss factor
     rotor_kg_m2: float = 0.0
     own_law: Law | None = None  # of the joint's own drive, where an effect has given it another
+    braked_law: Law | None = None  # with brakes on, where they change it
 
 
 @dataclass(slots=True, kw_only=True)

@@ -57,9 +57,9 @@ class Shop:
         hits: list[Recorded] = []
         for posture in plan.postures:
             parts = self.parts.copy()
-            for mass in (known, posture.known_mass):
-                if mass is not None:
-                    parts.added.append((mass.link, _bar(mass)))
+            mass = posture.known_mass or known
+            if mass is not None:
+                parts.added.append((mass.link, _bar(mass)))
             parts.braked = brakes or posture.brakes
             hits += self._posture(parts, plan, posture, levels_n, partial(streams, posture.name))
         recorder = Recorder(

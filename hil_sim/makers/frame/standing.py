@@ -103,7 +103,8 @@ def stand(parts: Parts, joints_rad: Array) -> Standing:
         span(made)
     for joint, drive in parts.drives.items():
         vector = made.turn(joint)
-        structure.laws.append((vector, drive.law))
+        law = drive.law if drive.braked_law is None or not parts.braked else drive.braked_law
+        structure.laws.append((vector, law))
         if drive.rotor_kg_m2:
             structure.turning.append((vector, drive.rotor_kg_m2))
     return made

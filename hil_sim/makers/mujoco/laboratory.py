@@ -58,9 +58,9 @@ class Laboratory:
         streams = partial(stream, self.seed, "mujoco", "measurement", run)
         for posture in plan.postures:
             machine = self.machine.copy()
-            for number, body in enumerate((known, posture.known_mass)):
-                if body is not None:
-                    _bolt_on(machine, body, f"known mass {number}")
+            mass = posture.known_mass or known
+            if mass is not None:
+                _bolt_on(machine, mass, "known mass")
             if brakes or posture.brakes:
                 for servo in machine.servos:
                     servo.stiffness *= BRAKES_HOLD

@@ -17,7 +17,7 @@ from armodal.hil_sim.makers.mujoco.laboratory import Laboratory
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary, ordinary
 from armodal.hil_sim.makers.mujoco.rig import Effect, Parameters, Rig
 from armodal.hil_sim.makers.mujoco.sizing import size_to_stand_out
-from armodal.hil_sim.makers.mujoco.standing import POSTURES, Bystander
+from armodal.hil_sim.makers.mujoco.standing import POSTURES, RATE_HZ, SAMPLES, Bystander
 from armodal.hil_sim.makers.plan_texts import Campaign, planned
 from armodal.hil_sim.streams import stream
 from armodal.protocols.arm.records import Arm
@@ -29,7 +29,7 @@ __all__ = ["EFFECTS", "Made", "made"]
 
 EFFECTS: dict[str, Effect] = modules_of(effects.__name__, effects.__path__)
 
-RATE_HZ, SAMPLES, PRETRIGGER = "1250", 1750, 40
+PRETRIGGER = 40
 HITS, SENSOR_KG = 3, 0.011
 
 
@@ -61,7 +61,7 @@ def made(table: ArmTable, spec: CaseSpec) -> Made:
     arm = believed_arm(table, drawn.stiffness, drawn.damping, drawn.tolerances)
     campaign = Campaign(
         mode=Mode.ROVING_HAMMER,
-        rate_hz=RATE_HZ,
+        rate_hz=str(RATE_HZ),
         samples=SAMPLES,
         pretrigger=PRETRIGGER,
         hits_per_point=HITS,

@@ -39,6 +39,7 @@ FREE_STIFFNESS = 0.35  # std of ln k and ln c, that nobody knows
 FREE_DAMPING = 0.7
 SIMULATED_HZ = 2500.0
 SIMULATED_S = 1.1
+RATE_HZ, SAMPLES = 1250, 1750  # of a record, over which a window falls
 IN_TIME_HZ = 10000.0  # steps of hits that are simulated in time
 EVERY = 5  # of the points, where hits are simulated in time
 
@@ -195,7 +196,7 @@ def _lines(bench: Bench) -> tuple[Complex, Array]:
 
 def _linear(plant: Compiled, loads: list[Array], bench: Bench) -> Complex:
     s, factor = _lines(bench)
-    lines = s - np.log(bench.window_end) / SIMULATED_S
+    lines = s - np.log(bench.window_end) * RATE_HZ / SAMPLES
     J, W, R = site_jacobian(plant)
     system = small_signal(plant)
     if bench.extra_kg:

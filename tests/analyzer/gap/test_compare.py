@@ -1,5 +1,7 @@
 """Measured modes beside the model's, wherever the sensor and the hammer were."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.offline_lab import simulate_session
@@ -37,3 +39,8 @@ def test_modes_are_paired_by_what_was_moved_from_point_to_point(plan):
     assert len(found) == 3
     assert min(match.mac for match in found) > 0.9
     assert [m.model_hz for m in found] == pytest.approx([m.measured_hz for m in found], rel=0.02)
+    # Records that fall by 2/s beside have modes with as much more decay.
+    faded = match_modes(fit_modes(frfs[0]), replace(system, decay_rad_s=2.0), lines, points)
+    for before, after in zip(found, faded, strict=True):
+        decays = [2.0 * np.pi * m.model_hz * m.model_damping_ratio for m in (before, after)]
+        assert decays[1] - decays[0] == pytest.approx(2.0)

@@ -241,6 +241,22 @@ def test_derivatives_are_those_of_differences(make, ordinary, lines, posed):
         np.testing.assert_allclose(dy[i], want, atol=3e-3 * np.abs(want).max())
 
 
+def test_derivatives_by_the_hits_place_are_those_where_it_truly_struck(ordinary, lines, posed):
+    """What stayed stood at another point, whose axes are others."""
+    first, other = ordinary.arm.points[int(lines.hit_point[0])].id, "k2"
+    ordinary = replace(ordinary, hit_points=(first,))
+    still = wrong_point.exchanged(ordinary, first, other, still=True)
+    hypothesis = Hypothesis(ordinary=ordinary, instances=(still,))
+    space = hypothesis.space()
+    values = space.values(space.start())
+    _, dy = posed.derivatives(hypothesis, lines, space, values)
+    for name in ordinary.hit_place_names(first):
+        step = 1e-3 * space.std[space.index[name]]
+        ends = (posed.values(hypothesis, lines, values | {name: x}) for x in (step, -step))
+        want = np.subtract(*ends) / 2e-3
+        np.testing.assert_allclose(dy[space.index[name]], want, atol=1e-6 * np.abs(want).max())
+
+
 def looked_at(ordinary, lines, posed, instance, **changes):
     """The scan's first candidate on data that the instance makes."""
     data = replace(lines, values=predicted(posed, ordinary, lines, (instance,), **changes))

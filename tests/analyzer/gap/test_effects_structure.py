@@ -22,6 +22,7 @@ from armodal.analyzer.gap.model.system import Pieces
 from armodal.analyzer.gap.search.candidates import goes_with
 from armodal.hil_sim.study import study_arm
 from armodal.protocols.arm.files import load_arm
+from armodal.protocols.plan_records import KnownMass
 
 WAYS = 2  # directions across about which a bending link has hinges at each place
 INERTIA = spatial_inertia(3.0, np.array([0.2, 0.05, -0.1]), np.diag([0.05, 0.2, 0.22]))
@@ -38,21 +39,26 @@ def test_a_heavier_sensor_is_one_whose_file_says_so(ordinary, lines, posed):
     )
 
 
-def test_the_load_of_a_joint_is_the_slope_of_the_potential_energy(superset, ordinary):
+@pytest.mark.parametrize("bolted_kg", [0.0, 5.0])
+def test_the_load_of_a_joint_is_the_slope_of_the_potential_energy(superset, bolted_kg):
     links = tuple(joint.link for joint in superset.arm.joints)
+    at_m = np.array([0.02, -0.05, 0.1])
+    bolted_on = KnownMass(link=links[-1].name, mass_kg=bolted_kg, center_m=at_m)
 
     def energy(q):
         T = superset.posture(q).T_base_link
         centers = [T[i, :3, :3] @ link.center_m + T[i, :3, 3] for i, link in enumerate(links)]
         weight = np.asarray(superset.arm.gravity_m_s2)
-        return -sum(link.mass_kg * weight @ c for link, c in zip(links, centers, strict=True))
+        there = T[len(links) - 1, :3, :3] @ at_m + T[len(links) - 1, :3, 3]
+        own = sum(link.mass_kg * weight @ c for link, c in zip(links, centers, strict=True))
+        return -own - bolted_kg * weight @ there
 
     geometry = GeometryNear(superset, JOINTS).at(np.zeros(6))
     for i in range(6):
         step = np.zeros(6)
         step[i] = 1e-5
         slope = (energy(JOINTS + step) - energy(JOINTS - step)) / 2e-5
-        load = gravity_load(geometry, links, superset.joint_column(i))
+        load = gravity_load(geometry, links, superset.joint_column(i), bolted_on)
         assert load == pytest.approx(-slope, abs=1e-6 + 1e-6 * abs(slope))
 
 

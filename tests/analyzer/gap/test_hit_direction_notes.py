@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.bench_effects import instance_of
 from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
@@ -46,9 +47,13 @@ def notes(measured, direction):
     more = case.session(plan_from_text(text, case.arm, origin="test"), run=1)
     stage = with_test(stages, superset, more, 2)[-1]
     ordinary = Ordinary(superset=superset, postures=tuple(p.name for p in stage.lines))
-    return hit_direction_notes(
-        stage, fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=6)
-    )
+    fit = fit_hypothesis(stage, Hypothesis(ordinary=ordinary), max_iterations=6)
+    named = instance_of(ordinary, "hit_direction", "posture next test")
+    widened = Hypothesis(ordinary=ordinary, instances=(named,))
+    found = hit_direction_notes(stage, fit)
+    again = fit_hypothesis(stage, widened, start=fit.values, max_iterations=0)
+    assert hit_direction_notes(stage, again) == found  # that aim's wider prior is no tolerance
+    return found
 
 
 def test_hits_through_an_axis_are_said_to_hardly_move_it_and_those_across_are_not(measured):

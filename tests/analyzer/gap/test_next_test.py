@@ -11,6 +11,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.inference.annealing import annealing_stages
 from armodal.analyzer.gap.inference.fit import Stage, fit_hypothesis
 from armodal.analyzer.gap.library import all_instances
+from armodal.analyzer.gap.model import weigh
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.weigh import Discrepancy
@@ -173,6 +174,28 @@ def test_base_points_that_were_left_out_are_asked_for_once_and_where_the_sensor_
     assert posture.points == plan.postures[0].points
     two_hits = [replace(own, hit_point=np.array([0, 1])) for own in without]
     assert asked(two_hits) == []
+
+
+def test_what_a_casting_may_do_weighs_down_points_of_the_base_alone(known, monkeypatch):
+    stage, null = known
+    bases = [i for i in all_instances(null.hypothesis.ordinary) if i.effect.name == "base"]
+    (rocking,) = scan_instances(stage, null, bases)
+    rival = hidden_rival(stage, null, rocking, 30.0 * rocking.size_std)
+    superset = null.hypothesis.ordinary.superset
+    ids = [p.id for p in null.hypothesis.ordinary.arm.points]
+    lines = stage.lines[0]
+    free = Test(joints_rad=lines.joints_rad, hit_direction=lines.hit_direction[0])
+    at_base = [i for i, link in enumerate(superset.point_link) if link < 0]
+    kept = np.flatnonzero(~np.isin(lines.sensor_point, at_base))
+    parts = ("sensor_point", "hit", "values", "variance")
+    without = [replace(own, **{n: getattr(own, n)[kept] for n in parts}) for own in stage.lines]
+    shown = Stage(superset, without, Discrepancy(), models=stage.models)
+    tests = [free, replace(free, more_points=tuple(ids[i] for i in at_base))]
+    doubted = expected_evidence(shown, [null, rival], tests)
+    monkeypatch.setattr(weigh, "BASE_GAIN_STD", 0.0)
+    sure = expected_evidence(shown, [null, rival], tests)
+    assert sure[0] == doubted[0]
+    assert sure[1] > doubted[1] > doubted[0]
 
 
 def test_hits_that_the_arm_hardly_answers_tell_nothing_for_noise_stays(known, servo):

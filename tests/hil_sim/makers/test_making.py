@@ -13,6 +13,7 @@ from armodal.hil_sim.makers.frame.visibility import VISIBLE
 from armodal.hil_sim.makers.mujoco.sizing import STANDS_OUT, size_to_stand_out
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.errors import PlantError
+from armodal.protocols.plan_records import KnownMass
 from armodal.protocols.session.hdf5 import read_session
 
 SEEN = {"mujoco": ("stands_out", STANDS_OUT), "frame": ("visible", VISIBLE)}
@@ -71,6 +72,31 @@ def test_a_rigid_wrist_is_believed_rigid(maker):
     case = make_case(maker, 4, "lrmate200id", wrist="rigid")
     assert [joint.name for joint in case.arm.joints if joint.stiffness is None] == ["J5", "J6"]
     assert set(told(case)["joints"]) == {"J1", "J2", "J3", "J4"}
+
+
+@pytest.mark.parametrize("maker", MAKERS)
+def test_a_known_mass_is_bolted_on_once(maker):
+    """Whether the plan tells it, the call, or both."""
+    case = make_case(maker, 4, "xarm7")
+    plan = smallest(case.plan)
+    body = KnownMass(link=case.arm.joints[-1].link.name, mass_kg=2.0, center_m=np.zeros(3))
+    loaded = replace(plan, postures=(replace(plan.postures[0], known_mass=body),))
+    told_by_call, by_plan, by_both, none = (
+        case.session(its, known_mass=call).hits[0].counts
+        for its, call in ((plan, body), (loaded, None), (loaded, body), (plan, None))
+    )
+    np.testing.assert_array_equal(by_plan, told_by_call)
+    np.testing.assert_array_equal(by_both, told_by_call)
+    assert np.any(none != told_by_call)
+
+
+@pytest.mark.parametrize("effect", ["servo", "bearing"])
+def test_brakes_hold_a_servo_of_the_frame_and_nothing_else(effect):
+    case = make_case("frame", 7, "ur10e", effect)
+    free, held = (
+        case.session(smallest(case.plan), brakes=on).hits[0].counts for on in (False, True)
+    )
+    assert np.any(free != held) == (effect == "servo")
 
 
 @pytest.mark.long

@@ -4,6 +4,7 @@ import numpy as np
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit, law_at_told, stiffer_at_told
+from armodal.hil_sim.makers.frame.parts import Parts
 from armodal.hil_sim.makers.frame.standing import stand
 
 RANGE = (0.004, 3.0)  # rocking compliance over the softest drive's
@@ -43,6 +44,13 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         "rock_xy_n_m_per_rad": float(felt[0, 1]),
         "turn_n_m_per_rad": float(felt[2, 2]),
         "shift_n_per_m": float(plate[0, 0]) * stiffer_at_told(loss),
-        "base_mass_kg": kit.drawn.table.base.mass_kg,
+        "base_mass_kg": kit.drawn.table.base.mass_kg + _shell_kg(kit.parts),
         "loss_factor": loss,
     }
+
+
+def _shell_kg(parts: Parts) -> float:
+    """Mass of the base's shell."""
+    section, path = parts.sections["base"], np.array(parts.table.base_shell.path)
+    length = float(np.sum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
+    return section.density_kg_m3 * section.area_m2 * length

@@ -1,5 +1,7 @@
 """A servo whose stiffness is finite: gear, rotor and a delayed controller in series."""
 
+from functools import partial
+
 import numpy as np
 
 from armodal.hil_sim.makers.frame.everyday import Everyday
@@ -37,14 +39,14 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     undamped = float(np.arctan(damping * fastest / stiffness)) / fastest
     delay = float(rng.uniform(0.0, min(DELAY_S, undamped)))
 
-    def law(s: Complex) -> Complex:
-        held = stiffness * (BRAKE if parts.braked else 1.0)
+    def held_by(held: float, s: Complex) -> Complex:
         control = (held + damping * s) * np.exp(-s * delay)
         before, behind = gear + own(s), rotor * s**2 + control
         series: Complex = before * behind / (before + behind) - gear
         return series
 
-    drive.law = law
+    drive.law = partial(held_by, stiffness)
+    drive.braked_law = partial(held_by, BRAKE * stiffness)
     return {
         "servo_stiffness_n_m_per_rad": stiffness,
         "servo_damping_n_m_s_per_rad": damping,
