@@ -5,6 +5,7 @@ A name is wrong when it is not true.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -26,6 +27,7 @@ __all__ = [
     "size_found",
 ]
 
+_WHOLE = {"all", "hammer", "accelerometer", "base"}  # places of what concerns the whole lab
 OUTCOMES = ("right", "ambiguous with the truth", "unsure", "missed", "outside", "wrong name")
 
 
@@ -48,6 +50,7 @@ class Marked:
     true: tuple[str, ...]
     n_true_named: int
     standing: tuple[str, ...]
+    places: tuple[str, ...]  # of what is named
     place_right: bool | None  # of a single effect named right
 
 
@@ -90,22 +93,32 @@ def mark(truth: Mapping[str, Any], result: GapResult) -> Marked:
     place = None
     if outcome == "right" and len(true) == 1 and counted:
         first = next(e for e in result.effects if e.name == true[0])
-        place = _same_place(truth["effects"][0]["place"], first.place)
+        place = _same_place(truth["effects"][0], first.place)
     return Marked(
         outcome=outcome,
         named=tuple(counted),
         true=tuple(true),
         n_true_named=len(hits),
         standing=standing,
+        places=tuple(effect.place for effect in result.effects) if counted else (),
         place_right=place,
     )
 
 
-def _same_place(true: Any, ours: str) -> bool:
-    """Whether our words hold the place; effects of the whole lab have none."""
-    whole = {"all", "hammer", "accelerometer", "base"}
-    places = true if isinstance(true, list) else [true]
-    return all(p in ours or p in whole for p in places) or not ours
+def _same_place(true: Mapping[str, Any], ours: str) -> bool:
+    """Whether our words are of the place, word by word, and of the sensor's axis where it has one.
+
+    What concerns the whole lab is told at no single point or posture, or without any place.
+    """
+    place = true["place"]
+    places = set(place if isinstance(place, list) else [place])
+    words = set(re.findall(r"[^\s:,]+", ours))
+    axes = true["parameters"].get("axes", true["parameters"].get("axis"))
+    if axes and set(axes) <= set("xyz") and words & set("xyz") != set(axes):
+        return False
+    if places <= _WHOLE:
+        return not words & {"point", "points", "posture"}
+    return not ours or places - _WHOLE <= words
 
 
 def instance_of_truth(ordinary: Ordinary, effect: Mapping[str, Any]) -> Instance | None:

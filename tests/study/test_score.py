@@ -1,5 +1,7 @@
 """Verdicts marked against their truth, and rates with their intervals."""
 
+from dataclasses import replace
+
 import pytest
 from support.gap_results import made_result
 
@@ -54,3 +56,35 @@ def test_an_ambiguous_set_counts_by_whether_it_holds_the_truth():
     either = made_result("ambiguous", [], standing=["servo", "rotor"])
     assert mark(truth("rotor"), either).outcome == "ambiguous with the truth"
     assert mark(truth("payload"), either).outcome == "unsure"
+
+
+@pytest.mark.parametrize(
+    ("place", "parameters", "ours", "right"),
+    [
+        ("link_arm", {}, "link_arm", True),
+        ("arm", {}, "link_arm", False),  # a part of another's name
+        (["J4", "J5"], {}, "J4 and J5", True),
+        (["1", "2"], {}, "points 1 and 2 exchanged", True),
+        (["1", "2"], {}, "points 11 and 12 exchanged", False),
+        ("all", {"axis": "x"}, "axis x", True),
+        ("all", {"axis": "x"}, "axis y", False),
+        ("all", {"axis": "x"}, "axis x at point 7", False),  # elsewhere too
+        (["7"], {"axis": "x"}, "axis x at point 7", True),
+        ("all", {"axis": "y"}, "the roving sensor: y is -y", True),
+        ("all", {"axis": "x"}, "the roving sensor: y is -y", False),
+        ("all", {"axes": ["x", "z"]}, "the roving sensor: x is z, z is x", True),
+        ("all", {"axes": ["x", "z"]}, "the roving sensor: x is -x, y is z, z is y", False),
+        ("forearm", {"axis": [0.0, 0.6, 0.8]}, "forearm", True),  # a direction, no channel
+        ("hammer", {}, "", True),
+        ("base", {}, "base", True),
+        ("hammer", {}, "posture stretched", False),
+    ],
+)
+def test_a_place_is_compared_word_by_word_and_axis_by_axis(place, parameters, ours, right):
+    true = {"name": "link_axis", "place": place, "parameters": parameters}
+    named = made_result("named", ["link_axis"])
+    (effect,) = named.effects
+    said = replace(named, effects=(replace(effect, place=ours),))
+    found = mark({"verdict": "named", "effects": [true]}, said)
+    assert found.place_right is right
+    assert found.places == (ours,)

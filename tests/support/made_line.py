@@ -18,6 +18,7 @@ MADE_LINE = {
     "true": ["payload"],
     "n_true_named": 0,
     "standing": [],
+    "places": [],
     "place_right": None,
     "true_verdict": "named",
     "misfit": 1.1,

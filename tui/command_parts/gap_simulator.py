@@ -98,8 +98,9 @@ def _wanted(
             )
             if value is None
         ]
+        got = "none" if simulator in (None, "mujoco") else f"--simulator {simulator}"
         raise SessionError(
-            f"wanted {' and '.join(missing)} for the gap in a simulator, got none; such as "
+            f"wanted {' and '.join(missing)} for the gap in a simulator, got {got}; such as "
             "`armodal gap demo/demo.h5 --arm demo/demo.arm.toml --simulator mujoco --model "
             "robot.xml`"
         )

@@ -127,7 +127,7 @@ def gap_command(
     if simulator is not None or model is not None or motion is not None or topic:
         refuse_idle(
             context,
-            (*_OF_LAB, "more", "arm_out", "lab"),
+            (*_OF_LAB, "more", "arm_out", "lab", "false_name"),
             here="--simulator",
             there="the search",
         )

@@ -203,7 +203,10 @@ def _with_losses(
 
 
 def disagreement_map(stage: Stage, fit: Fit, points: Sequence[str]) -> tuple[Disagreement, ...]:
-    """Residual over what scatter and allowance explain, by posture, point, axis and band."""
+    """Residual over what scatter and allowance explain, by posture, point, axis and band.
+
+    The point is that of what went round, sensor or hammer; the axis is always the sensor's.
+    """
     found = []
     for p, lines in enumerate(stage.lines):
         y = stage.models[p].values(fit.hypothesis, lines, fit.values)
@@ -215,7 +218,7 @@ def disagreement_map(stage: Stage, fit: Fit, points: Sequence[str]) -> tuple[Dis
             if not inside.any():
                 continue
             ratio = np.sqrt(np.mean(left[..., inside], axis=-1))
-            for m, point in enumerate(lines.sensor_point):
+            for m, point in enumerate(lines.moved_point):
                 found += [
                     Disagreement(
                         posture=lines.title,

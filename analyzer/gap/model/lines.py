@@ -157,7 +157,8 @@ def own_lines(
             _hit_once(session, own, _hits_of(superset, own, hits)) if own.name in once else own
             for own in all_hits
         )
-    return _lines_at_levels(superset, session, stage, soft_and_hard(hits), level_about)
+    groups = soft_and_hard(_of_one_length(hits))
+    return _lines_at_levels(superset, session, stage, groups, level_about)
 
 
 def _lines_at_levels(
@@ -177,6 +178,23 @@ def _lines_at_levels(
         more = scatter([own.values for own in of_posture])
         result += [replace(own, variance=own.variance + more) for own in of_posture]
     return tuple(result)
+
+
+def _of_one_length(hits: Sequence[Hit]) -> list[Hit]:
+    """Records of each posture cut alike before and behind the trigger: their lines are the same."""
+    leads: dict[str, int] = {}
+    behinds: dict[str, int] = {}
+    for hit in hits:
+        lead = int(hit.trigger_sample - hit.first_sample)
+        leads[hit.posture] = min(lead, leads.get(hit.posture, lead))
+        behind = len(hit.counts) - lead
+        behinds[hit.posture] = min(behind, behinds.get(hit.posture, behind))
+    found = []
+    for hit in hits:
+        first = int(hit.trigger_sample - hit.first_sample) - leads[hit.posture]
+        kept = hit.counts[first : first + leads[hit.posture] + behinds[hit.posture]]
+        found.append(replace(hit, counts=kept, first_sample=hit.first_sample + first))
+    return found
 
 
 def _mean_level(hits: Sequence[Hit]) -> float:

@@ -59,6 +59,32 @@ def test_a_further_test_of_an_arm_with_other_points_is_refused(linear):
         with_test(stages, superset, other, 2)
 
 
+def test_soft_hits_with_shorter_records_are_set_beside_hard_ones_on_the_same_lines(linear):
+    """A third of the ring is cut off the soft hits of a posture, and ten samples of their lead."""
+    name = linear.header.plan.postures[0].name
+    peaks = sorted(hit.verdict.peak_n for hit in linear.hits)
+
+    def shortened(hit):
+        counts = hit.counts[10 : -len(hit.counts) // 3]
+        return replace(hit, counts=counts, first_sample=hit.first_sample + 10)
+
+    cut = [
+        shortened(hit)
+        if hit.posture == name and hit.verdict.peak_n < peaks[len(peaks) // 2]
+        else hit
+        for hit in linear.hits
+    ]
+    assert sum(a is not b for a, b in zip(cut, linear.hits, strict=True)) > 5
+    superset = Superset(linear.header.arm)
+    session = replace(linear, hits=tuple(cut))
+    stages = annealing_stages(
+        superset, session, estimate_frfs(session, superset), level_about=middle_level(linear)
+    )
+    for stage in stages:
+        soft, hard = (own for own in stage.lines if own.name == name)
+        np.testing.assert_array_equal(soft.s_rad_s, hard.s_rad_s)
+
+
 def of_session(apart, *instances):
     lines = apart[0].lines
     names = tuple(dict.fromkeys(own.name for own in lines))
