@@ -70,6 +70,8 @@ class GapOutcome:
     final: Fit  # with everything that was named
     standing: tuple[Fit, ...]  # rivals of the last step that still stand
     compared: tuple[Fit, ...] = ()  # what the next test is to tell apart
+    # Numbers of the sessions that were fitted to, in order; 1 is the first that was given.
+    sessions: tuple[int, ...] = (1,)
 
 
 def conclude(
@@ -86,6 +88,7 @@ def conclude(
     notes: list[str],
     limits: Thresholds,
     assumed: str,
+    sessions: tuple[int, ...],
     plan: Plan | None,
     tell: Callable[[str], None],
 ) -> GapOutcome:
@@ -173,6 +176,7 @@ def conclude(
         final=final,
         standing=standing,
         compared=advice.compared,
+        sessions=sessions,
     )
 
 

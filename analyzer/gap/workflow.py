@@ -90,7 +90,7 @@ def find_gap(
         few points, an arm without an elastic joint.
     """
     limits = Thresholds(false_name=false_name)
-    session, more, replaced = first_with_levels(session, more)
+    session, more, numbers, replaced = first_with_levels(session, more)
     superset = Superset(session.header.arm)
     check_data_requirements(session)
     check_tests(session, more)
@@ -138,6 +138,7 @@ def find_gap(
         notes=notes,
         limits=limits,
         assumed=assumed_in(session, more),
+        sessions=numbers,
         plan=_plan_to_go_on(session, notes) if advice and single_hits else None,
         tell=tell,
     )

@@ -62,7 +62,7 @@ def text_with_effects(
     stiffness: Mapping[str, Estimate] | None = None,
     damping: Mapping[str, Estimate] | None = None,
     name: str | None = None,
-    past: PastSession | None = None,
+    past: Sequence[PastSession] = (),
 ) -> str:
     """Return an arm's text with its effects, and values of its joints, replaced.
 
@@ -79,7 +79,7 @@ def text_with_effects(
         Of the new arm; None keeps it.
 
     past
-        The session the values come from, for the file's history.
+        The sessions the values come from, for the file's history.
 
     Raises
     ------
@@ -116,7 +116,7 @@ def text_with_effects(
                 )
             if effects:
                 document["effects"] = tables
-        if past is not None:
+        if past:
             _remember(document, past)
         text = tomlkit.dumps(document)
     except TOMLKitError as problem:
@@ -153,18 +153,19 @@ def text_with_point(arm: Arm, point: Point) -> str:
     return text
 
 
-def _remember(document: TOMLDocument, past: PastSession) -> None:
-    """Put a session at the end of the file's history."""
+def _remember(document: TOMLDocument, past: Sequence[PastSession]) -> None:
+    """Put sessions at the end of the file's history."""
     every = tomlkit.aot()
     for old in document.pop("history", []):
         table = tomlkit.table()
         table.update(old)
         every.append(table)
-    table = tomlkit.table()
-    table["session_sha256"] = past.session_sha256
-    table["by"] = past.by
-    table["created"] = past.created
-    every.append(table)
+    for new in past:
+        table = tomlkit.table()
+        table["session_sha256"] = new.session_sha256
+        table["by"] = new.by
+        table["created"] = new.created
+        every.append(table)
     document["history"] = every
 
 

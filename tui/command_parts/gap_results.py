@@ -29,12 +29,12 @@ from armodal.analyzer.report.effect_words import (
 )
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
-from armodal.protocols.errors import ArmError
+from armodal.protocols.errors import ArmError, SessionError
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
 from armodal.tui.command_parts.narrow_table import narrow_table
 
-__all__ = ["check_arm_out", "gap_json", "gap_tables", "keep_gap", "with_arm"]
+__all__ = ["check_arm_out", "check_results", "gap_json", "gap_tables", "keep_gap", "with_arm"]
 
 
 def check_arm_out(session_path: Path | None, arm: str | None, arm_out: Path | None) -> None:
@@ -68,14 +68,46 @@ def check_arm_out(session_path: Path | None, arm: str | None, arm_out: Path | No
         )
 
 
+def check_results(session_path: Path | None, arm_out: Path | None, html: Path | None) -> None:
+    """Refuse, before the work, to write one result over another.
+
+    Raises
+    ------
+    SessionError
+        If the page, the arm file and the result beside the session are not three files.
+    """
+    if session_path is None:
+        results = {"the arm file": arm_out}
+    else:
+        results = {
+            f"the result beside {session_path.name}": gap_path(session_path),
+            "the arm file": arm_out or _beside(session_path),
+        }
+    for option, other in (("--html", html), ("--arm-out", arm_out)):
+        for what, path in results.items():
+            if path is None or other is None or (option, what) == ("--arm-out", "the arm file"):
+                continue
+            if path.resolve() == other.resolve():
+                raise SessionError(
+                    f"wanted another file for {option} than {what}, got {other} for both; give "
+                    f"{option} another name"
+                )
+
+
 def _beside(session_path: Path) -> Path:
     return session_path.with_suffix(".arm.toml")
 
 
 def keep_gap(
-    session: Session, session_path: Path, outcome: GapOutcome, arm_out: Path | None
+    session: Session,
+    session_path: Path,
+    outcome: GapOutcome,
+    arm_out: Path | None,
+    more: Sequence[Path] = (),
 ) -> dict[str, Path]:
     """Write the result beside the session and, if the verdict is a name, a new arm file.
+
+    `more` are files of further tests: the arm file remembers those that were fitted to.
 
     Returns
     -------
@@ -95,7 +127,9 @@ def keep_gap(
         arm = session.header.arm
         if arm_out is not None and path.exists():
             raise ArmError(f"{path} is there already; give --arm-out another name")
-        digest = sha256(session_path.read_bytes()).hexdigest()
+        given = (session_path, *more)
+        digests = [sha256(given[n - 1].read_bytes()).hexdigest() for n in outcome.sessions]
+        digest = digests[0]
         now = datetime.now(UTC).isoformat(timespec="seconds")
         # What the arm file had before stays, unless it no longer earned its place.
         earning = {
@@ -114,7 +148,7 @@ def keep_gap(
             values.effects,
             stiffness=values.stiffness,
             damping=values.damping,
-            past=PastSession(session_sha256=digest, by="armodal gap", created=now),
+            past=[PastSession(session_sha256=d, by="armodal gap", created=now) for d in digests],
         )
         replace_text(path, text)
         written["arm_file"] = path

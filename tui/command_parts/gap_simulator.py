@@ -47,7 +47,8 @@ def show_simulator(
     if topics and motion is None:
         raise SessionError("wanted --topic with --motion only, got it without; leave it out")
     if html is not None:
-        check_output(html, session, model, *([] if motion is None else [motion]))
+        read = [] if arm is None else [Path(arm)]
+        check_output(html, session, model, *read, *([] if motion is None else [motion]))
     measured = read_session(session)
     if motion is not None:
         own = measured.header.arm

@@ -140,7 +140,7 @@ def export_model(
         found.effects,
         stiffness={joint.name: joint.stiffness for joint in joints if joint.stiffness},
         damping={joint.name: joint.damping for joint in joints if joint.damping},
-        past=PastSession(session_sha256=session_sha256, by="armodal identify", created=now),
+        past=[PastSession(session_sha256=session_sha256, by="armodal identify", created=now)],
     )
     replace_text(path, text)
 

@@ -34,6 +34,7 @@ from armodal.study.closed_loop import run_loop
 from armodal.study.laboratory import SimulatedLaboratory
 from armodal.tui.command_parts.gap_results import (
     check_arm_out,
+    check_results,
     gap_json,
     gap_tables,
     keep_gap,
@@ -142,7 +143,9 @@ def gap_command(
     here, there = ("--lab", "a session") if lab else ("a session", "--lab")
     refuse_idle(context, _OF_SESSION if lab else _OF_LAB, here=here, there=there)
     check_arm_out(session, arm, arm_out)
+    check_results(session, arm_out, html)
     read = [] if session is None else [session, *(more or ())]
+    read += [] if arm is None else [Path(arm)]
     for path in (html, arm_out):
         if path is not None:
             check_output(path, *read)
@@ -158,7 +161,7 @@ def gap_command(
             measured = with_arm(measured, load_arm(arm))
         further = [read_session(path) for path in more or ()]
         outcome = find_gap(measured, more=further, false_name=false_name, tell=say)
-    written = keep_gap(measured, session, outcome, arm_out)
+    written = keep_gap(measured, session, outcome, arm_out, more or ())
     for effect in outcome.result.effects:
         if "arm_file" in written and is_of_one_posture(effect):
             say(f"{effect.title} ({effect.place}) is not in the arm file: no other session has it")

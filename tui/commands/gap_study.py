@@ -21,16 +21,21 @@ from armodal.study.page import study_page
 from armodal.study.run import run_study, seal_hashes
 from armodal.study.summary import study_summary
 from armodal.study.tables import study_tables
+from armodal.tui.command_parts.options import refuse_idle
 from armodal.tui.command_parts.worker_processes import worker_processes
 from armodal.tui.console import Json, out, print_json, say, say_next
+from armodal.tui.output_file import check_output
 
 __all__ = ["app"]
 
 app = typer.Typer(add_completion=False)
 
+_OF_HOME = ("pairs", "outside", "whole", "curves")  # by parameter: of its cases alone
+
 
 @app.command("gap-study")
 def gap_study_command(
+    context: typer.Context,
     directory: Annotated[Path, typer.Option("--out", help="Folder for the study.")],
     seed: Annotated[int, typer.Option(min=0, help="Seed of the cases.")] = 1,
     official: Annotated[
@@ -77,8 +82,13 @@ def gap_study_command(
 
     Example: armodal gap-study --out study --seed 1
     """
+    if maker != HOME:
+        refuse_idle(context, _OF_HOME, here=f"--maker {maker}", there=f"--maker {HOME}")
+    if page is not None:
+        check_output(page)
     commit = ""
     if official:
+        refuse_idle(context, ("seed",), here="--official", there="a study that is not official")
         seed, commit = official_seed(Path(armodal.study.__file__).parent)
         say(f"official: seed {seed} of commit {commit}")
     specs: tuple[AnySpec, ...]

@@ -48,26 +48,35 @@ def titles(standing: Sequence[Fit]) -> str:
 
 def first_with_levels(
     session: Session, more: Sequence[Session]
-) -> tuple[Session, tuple[Session, ...], list[str]]:
-    """The session to begin with, further ones, and what is to be said of that.
+) -> tuple[Session, tuple[Session, ...], tuple[int, ...], list[str]]:
+    """The session to begin with, further ones, their numbers as given, and what is to be said.
 
     Where the first has no hits at several levels and a further one has, and can carry the
-    judgement, that is begun with, and those without levels are left out.
+    judgement, that is begun with, and those without levels are left out. The first given is 1.
     """
+    every = tuple(range(1, len(more) + 2))
     if has_levels(session):
-        return session, tuple(more), []
+        return session, tuple(more), every, []
     chosen = next(
         (other for other in more if has_levels(other) and _meets_requirements(other)), None
     )
     if chosen is None:
-        return session, tuple(more), []
+        return session, tuple(more), every, []
     check_same_parts(session.header.arm, chosen.header.arm)
-    levelled = [other for other in more if other is not chosen and has_levels(other)]
+    levelled = {
+        n: other
+        for n, other in enumerate(more, start=2)
+        if other is not chosen and has_levels(other)
+    }
     left = len(more) - len(levelled)
     words = "1 session without was" if left == 1 else f"{left} sessions without were"
-    note = f"test {list(more).index(chosen) + 2} has hits at several levels; {words} left out"
+    number = next(n for n, other in enumerate(more, start=2) if other is chosen)
+    note = f"test {number} has hits at several levels; {words} left out"
+    if levelled:
+        note += f"; below, test 2 is what was given as test {min(levelled)}"
+        note += ", and so on" if len(levelled) > 1 else ""
     first = replace(chosen, header=replace(chosen.header, arm=session.header.arm))
-    return first, tuple(levelled), [note]
+    return first, tuple(levelled.values()), (number, *levelled), [note]
 
 
 def _meets_requirements(session: Session) -> bool:

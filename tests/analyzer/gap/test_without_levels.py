@@ -116,19 +116,22 @@ def test_a_session_with_levels_goes_before_those_without_and_keeps_the_first_arm
     believed = replace(once.header.arm, name="as believed")
     own = replace(once, header=replace(once.header, arm=believed))
     again = replace(asked)
-    first, (further,), notes = first_with_levels(own, [once, asked, again])
+    first, (further,), numbers, notes = first_with_levels(own, [once, asked, again])
     assert first.hits is asked.hits
     assert first.header.arm is believed
     assert further is again
-    assert notes == ["test 3 has hits at several levels; 2 sessions without were left out"]
-    assert first_with_levels(asked, [once]) == (asked, (once,), [])
-    assert first_with_levels(once, [once]) == (once, (once,), [])
+    assert numbers == (3, 4)
+    (note,) = notes
+    assert note.startswith("test 3 has hits at several levels; 2 sessions without were left out")
+    assert note.endswith("below, test 2 is what was given as test 4")
+    assert first_with_levels(asked, [once]) == (asked, (once,), (1, 2), [])
+    assert first_with_levels(once, [once]) == (once, (once,), (1, 2), [])
 
 
 def test_one_posture_at_levels_does_not_stand_for_a_session(once, asked):
     name = asked.hits[0].posture
     alone = replace(asked, hits=tuple(hit for hit in asked.hits if hit.posture == name))
-    assert first_with_levels(once, [alone]) == (once, (alone,), [])
+    assert first_with_levels(once, [alone]) == (once, (alone,), (1, 2), [])
 
 
 def test_another_arm_at_levels_is_refused(once, asked):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from hashlib import sha256
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,7 +25,7 @@ from armodal.analyzer.gap.records import EffectFound, GapResult, Interval, Verdi
 from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
 from armodal.protocols.arm.rewrite import text_with_effects
-from armodal.protocols.errors import ArmError
+from armodal.protocols.errors import ArmError, ArmodalError
 from armodal.tui.cli import app
 from armodal.tui.command_parts.gap_results import check_arm_out, keep_gap
 
@@ -116,12 +117,19 @@ def test_what_the_arm_file_had_stays_if_it_still_earns_its_place(session, tmp_pa
     final = made_fit(hypothesis, cost=0.0, space=space, u=u)
     highest = SimpleNamespace(s_rad_s=np.array([2j * np.pi * 60.0]))
     outcome = SimpleNamespace(
-        result=named("servo", "elbow"), final=final, stages=[SimpleNamespace(lines=[highest])]
+        result=named("servo", "elbow"),
+        final=final,
+        stages=[SimpleNamespace(lines=[highest])],
+        sessions=(3, 4),  # what has levels; the first two were left out
     )
-    path = tmp_path / "session.h5"
-    path.write_bytes(b"only its hash counts here")
-    written = keep_gap(session, path, outcome, None)
+    path, *more = (tmp_path / f"session-{n}.h5" for n in range(1, 5))
+    for own in (path, *more):
+        own.write_bytes(f"only its hash counts here: {own.name}".encode())
+    written = keep_gap(session, path, outcome, None, more)
     arm = load_arm(written["arm_file"])
+    fitted_to = [sha256(own.read_bytes()).hexdigest() for own in more[1:]]
+    assert [past.session_sha256 for past in arm.history] == fitted_to
+    assert arm.effects[-1].evidence.session_sha256 == fitted_to[0]
     assert [(e.name, e.place) for e in arm.effects] == [("payload", "flange"), ("servo", "elbow")]
     # The file's own model has the modes of the fit, whose bearings and losses it does not have.
     fitted, own = as_correction(final), correction_of(arm)
@@ -158,3 +166,23 @@ def test_another_arm_file_to_write_is_free_to_be_named_once(tmp_path):
     check_arm_out(path, None, None)
     with pytest.raises(ArmError, match="is there already; give --arm-out another name"):
         check_arm_out(path, None, own)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("--html", "s.gap.json"), "wanted another file for --html than the result beside s.h5"),
+        (("--html", "s.arm.toml"), "wanted another file for --html than the arm file"),
+        (("--html", "a", "--arm-out", "a"), "wanted another file for --html than the arm file"),
+        (("--arm-out", "s.gap.json"), "wanted another file for --arm-out than the result beside"),
+        (("--arm", "own.toml", "--html", "own.toml"), "to write than what is read, got own.toml"),
+    ],
+)
+def test_no_result_is_written_over_another_or_over_the_arm_file(given, said, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "s.h5").write_bytes(b"no session: what reads it fails otherwise")
+    (tmp_path / "own.toml").write_text("edited by hand")
+    result = CliRunner().invoke(app, ["gap", "s.h5", *given])
+    assert isinstance(result.exception, ArmodalError)
+    assert said in str(result.exception)
+    assert (tmp_path / "own.toml").read_text() == "edited by hand"

@@ -33,7 +33,7 @@ def changed(tmp_path):
     path = tmp_path / "arm.toml"
     stiffer = replace(RV.joints[0].stiffness, value=2.0 * RV.joints[0].stiffness.value)
     text = text_with_effects(
-        RV, [axis("shoulder"), any_of(RV, "rotor")], stiffness={"joint_1": stiffer}, past=PAST
+        RV, [axis("shoulder"), any_of(RV, "rotor")], stiffness={"joint_1": stiffer}, past=[PAST]
     )
     path.write_text(text, encoding="utf-8")
     return path
@@ -82,7 +82,7 @@ def test_one_file_beside_itself_did_not_change(changed):
 
 def test_an_arm_file_remembers_its_sessions_and_grows_older(changed):
     again = text_with_effects(
-        load_arm(changed), load_arm(changed).effects, past=replace(PAST, session_sha256="b" * 64)
+        load_arm(changed), load_arm(changed).effects, past=[replace(PAST, session_sha256="b" * 64)]
     )
     changed.write_text(again, encoding="utf-8")
     assert [own.session_sha256[0] for own in load_arm(changed).history] == ["a", "b"]
