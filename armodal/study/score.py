@@ -116,6 +116,9 @@ def _same_place(true: Mapping[str, Any], ours: str) -> bool:
     axes = true["parameters"].get("axes", true["parameters"].get("axis"))
     if axes and set(axes) <= set("xyz") and words & set("xyz") != set(axes):
         return False
+    posture = true["parameters"].get("posture")
+    if posture is not None:  # of one alone
+        return ours == f"posture {posture}"
     if places <= _WHOLE:
         return not words & {"point", "points", "posture"}
     return not ours or places - _WHOLE <= words

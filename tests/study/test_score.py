@@ -78,6 +78,9 @@ def test_an_ambiguous_set_counts_by_whether_it_holds_the_truth():
         ("hammer", {}, "", True),
         ("base", {}, "base", True),
         ("hammer", {}, "posture stretched", False),
+        ("hammer", {"posture": "posture 1"}, "posture posture 1", True),
+        ("hammer", {"posture": "posture 1"}, "posture posture 10", False),
+        ("hammer", {"posture": "posture 1"}, "hammer", False),
     ],
 )
 def test_a_place_is_compared_word_by_word_and_axis_by_axis(place, parameters, ours, right):
