@@ -143,11 +143,7 @@ def left_open(hiding: Sequence[Candidate], best: Fit, name: str, phi: float) -> 
     """
     off = 0.0
     for c in hiding:
-        there = (
-            c.size - best.values[c.instance.size]
-            if c.instance.size in c.instance.relaxes
-            else c.size
-        )
+        there = c.size - best.values.get(c.instance.size, 0.0)
         shift = float(np.clip(c.follow.get(name, 0.0) * there, -_WIDEST, _WIDEST))
         odds = _BELIEVED * np.exp(min(c.gain / phi, _SURE_NATS))
         off = max(off, float(abs(shift) * np.sqrt(odds / (1.0 + odds))))

@@ -43,7 +43,7 @@ class ClosedLoop:
     """What was measured and why, and what it came to."""
 
     outcome: GapOutcome
-    first_session: Path
+    sessions: tuple[Path, ...]  # in the order in which they were measured
     tests: tuple[dict[str, Any], ...]
 
 
@@ -88,7 +88,8 @@ def run_loop(
         tests.append({"number": number, "verdict_before": result.verdict.value, **_said(advice)})
         plan = plan_from_text(advice.plan_toml, laboratory.arm, origin="proposed plan")
         sessions.append(_test(laboratory, folder, number, plan, tell))
-    return ClosedLoop(outcome=outcome, first_session=folder / "test-1.h5", tests=tuple(tests))
+    paths = tuple(_path(folder, number) for number in range(1, len(sessions) + 1))
+    return ClosedLoop(outcome=outcome, sessions=paths, tests=tuple(tests))
 
 
 def _claim(folder: Path, identity: str) -> None:
@@ -96,7 +97,7 @@ def _claim(folder: Path, identity: str) -> None:
     name = folder / "laboratory"
     if name.exists():
         came = name.read_text(encoding="utf-8", errors="replace").strip()
-    elif (folder / "test-1.h5").exists():
+    elif _path(folder, 1).exists():
         came = "one that is not told"
     else:
         replace_text(name, f"{identity}\n")
@@ -110,6 +111,10 @@ def _claim(folder: Path, identity: str) -> None:
 
 def _judged(sessions: Sequence[Session], tell: Callable[[str], None], *, gates: bool) -> GapOutcome:
     return find_gap(sessions[0], more=sessions[1:], gates=gates, modes=False, tell=tell)
+
+
+def _path(folder: Path, number: int) -> Path:
+    return folder / f"test-{number}.h5"
 
 
 def _said(advice: NextTest) -> dict[str, Any]:
@@ -126,7 +131,7 @@ def _test(
     tell: Callable[[str], None],
 ) -> Session:
     """The session of a test: measured, or read where it was measured before."""
-    path = folder / f"test-{number}.h5"
+    path = _path(folder, number)
     if path.exists():
         session = read_session(path)
         wanted = None if plan is None else plan.sha256

@@ -151,7 +151,7 @@ def gap_command(
             check_output(path, *read)
     beside: dict[str, Any] = {}
     if session is None:
-        session, outcome, beside = _with_laboratory(
+        (session, *more), outcome, beside = _with_laboratory(
             _case(lab_arm, lab_plan, hide, magnitude, seed), budget, folder
         )
         measured = read_session(session)
@@ -229,7 +229,7 @@ def _case(arm: str, plan: str | None, hide: str | None, magnitude: str, seed: in
 
 def _with_laboratory(
     case: SealedCase, budget: int, folder: Path
-) -> tuple[Path, GapOutcome, dict[str, Any]]:
+) -> tuple[tuple[Path, ...], GapOutcome, dict[str, Any]]:
     say(f"truth sealed as {case.truth_sha256}")
     loop = run_loop(SimulatedLaboratory(case=case), folder, budget=budget, tell=say)
     truth = json.loads(case.open_truth())
@@ -238,7 +238,7 @@ def _with_laboratory(
         "truth_sha256": case.truth_sha256,
         "truth": {"verdict": truth["verdict"], "effects": truth["effects"]},
     }
-    return loop.first_session, loop.outcome, beside
+    return loop.sessions, loop.outcome, beside
 
 
 def _magnitude(text: str) -> str | float:

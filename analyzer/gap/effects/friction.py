@@ -44,7 +44,7 @@ def laws(
     Where a film shears below the limit, or a simulator's friction yields to low speed, it creeps.
     """
     limit, before, creep = f"limit {joint}", f"ln presliding {joint}", f"creep {joint}"
-    moment = swing_rad / ordinary.scale([own.name for own in ordinary.arm.joints].index(joint))
+    moment = ordinary.stiffness(joint) * swing_rad
 
     def element(values: Mapping[str, float], load: float) -> Sliders:
         del load

@@ -19,7 +19,7 @@ from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.scales import foot_m
+from armodal.analyzer.gap.model.scales import foot_m, steps_m
 from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["FLOOR", "WORDS", "between", "ends_of", "instances", "size_std", "velocity"]
@@ -64,10 +64,7 @@ def size_std(ordinary: Ordinary) -> float:
     """Return damping of such a damper that is much beside the joints' own, N s/m."""
     dampings = [ordinary.arm.joints[i].damping for i in ordinary.elastic[:3]]
     mean = float(np.mean([1.0 if d is None else d.value for d in dampings]))
-    steps = [np.array(j.T_parent_joint[:3, 3]) for j in ordinary.arm.joints]
-    steps[0] -= foot_m(ordinary.superset)
-    lengths = [float(np.linalg.norm(step)) for step in steps]
-    return _SIZE * mean / (_LEVER * max(*lengths, _LEAST_M)) ** 2
+    return _SIZE * mean / (_LEVER * max(*steps_m(ordinary.superset), _LEAST_M)) ** 2
 
 
 def middle_of(ordinary: Ordinary, link: int) -> Array:

@@ -125,8 +125,8 @@ class Ordinary:
         return replace(self, fitted=Superset(replace(self.arm, joints=joints)))
 
     def stiffness(self, joint: str) -> float:
-        """Return the believed stiffness of an elastic joint, N m/rad."""
-        found = next(own.stiffness for own in self.arm.joints if own.name == joint)
+        """Return the stiffness of an elastic joint as `scale` has it, N m/rad."""
+        found = next(own.stiffness for own in self.sized.arm.joints if own.name == joint)
         if found is None:
             raise ValueError(f"wanted an elastic joint, got '{joint}'")
         return found.value

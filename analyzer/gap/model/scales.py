@@ -11,7 +11,7 @@ from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.priors import LEAST_CARRIED, UNTOLD
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["compliance", "doubt", "foot_m", "reach_m", "scale"]
+__all__ = ["compliance", "doubt", "foot_m", "reach_m", "scale", "steps_m"]
 
 Array = npt.NDArray[np.float64]
 
@@ -27,12 +27,16 @@ def reach_m(superset: Superset) -> float:
 
     Of an arm whose joints are all in one place, how far its bodies and points reach.
     """
-    joints, points = superset.arm.joints, superset.arm.points
-    steps = [np.array(joint.T_parent_joint[:3, 3]) for joint in joints]
-    steps[0] -= foot_m(superset)
-    chain = float(sum(np.linalg.norm(step) for step in steps))
-    places = [*(joint.link.center_m for joint in joints), *(point.position_m for point in points)]
-    return chain or max(float(np.linalg.norm(place)) for place in places)
+    arm = superset.arm
+    places = [*(j.link.center_m for j in arm.joints), *(point.position_m for point in arm.points)]
+    return sum(steps_m(superset)) or max(float(np.linalg.norm(place)) for place in places)
+
+
+def steps_m(superset: Superset) -> tuple[float, ...]:
+    """Return the length of each step of the chain: from the foot to the first joint, and so on."""
+    steps = [joint.T_parent_joint[:3, 3] for joint in superset.arm.joints]
+    steps[0] = steps[0] - foot_m(superset)
+    return tuple(float(np.linalg.norm(step)) for step in steps)
 
 
 @lru_cache(maxsize=16)

@@ -158,12 +158,11 @@ def _relaxed(
     first = [(p.first - p.mean) / p.std for p in small(instance).parameters]
     u = np.concatenate([fit.u, first])
     wide = curvature[np.ix_(at, at)] + np.eye(len(at))
-    A = wide[: len(fit.u), : len(fit.u)].copy()
     slope = gradient[at] + u
-    left = slope[: len(fit.u)][fit.free]
     free = np.concatenate([fit.free, np.ones(len(brought), dtype=bool)])
     low, high = np.full(len(at), -np.inf), np.full(len(at), np.inf)
-    gain = 0.0
+    was = np.flatnonzero(fit.free)
+    gain = -0.5 * float(slope[was] @ np.linalg.solve(wide[np.ix_(was, was)], slope[was]))
     for name, prior in instance.relaxes.items():
         i = fit.space.index[name]
         narrow = unit[i]
@@ -175,7 +174,6 @@ def _relaxed(
         gain += 0.5 * (u[i] ** 2 - keep * there**2)
         low[i] = (prior.low - mean[i]) / narrow - u[i]
         high[i] = (prior.high - mean[i]) / narrow - u[i]
-    gain -= 0.5 * float(left @ np.linalg.solve(A[np.ix_(fit.free, fit.free)], left))
     now = np.flatnonzero(free)
     W = wide[np.ix_(now, now)]
     step = least_in_box(W, slope[now], low[now], high[now])

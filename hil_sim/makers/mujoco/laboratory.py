@@ -23,10 +23,11 @@ from armodal.protocols.arm.records import Arm
 from armodal.protocols.plan_records import KnownMass, Mode, Plan, PlannedPosture
 from armodal.protocols.session.records import Session
 
-__all__ = ["Laboratory", "site_jacobian", "true_angles"]
+__all__ = ["PRETRIGGER", "RATE_HZ", "SAMPLES", "Laboratory", "site_jacobian", "true_angles"]
 
 Streams = Callable[..., np.random.Generator]
 
+RATE_HZ, SAMPLES, PRETRIGGER = 1250, 1750, 40  # of a record; samples, those before the trigger
 FINER = 2  # steps in a sample, on the modes' recursion
 FINER_IN_TIME = 8  # steps of a simulation in time
 FILTER_HALF = 15  # samples; linear phase, its delay taken off, as recorders do

@@ -13,11 +13,11 @@ from armodal.hil_sim.makers.belief import believed_arm
 from armodal.hil_sim.makers.case import CaseSpec
 from armodal.hil_sim.makers.listing import modules_of
 from armodal.hil_sim.makers.mujoco import effects
-from armodal.hil_sim.makers.mujoco.laboratory import Laboratory
+from armodal.hil_sim.makers.mujoco.laboratory import PRETRIGGER, RATE_HZ, SAMPLES, Laboratory
 from armodal.hil_sim.makers.mujoco.ordinary import Ordinary, ordinary
 from armodal.hil_sim.makers.mujoco.rig import Effect, Parameters, Rig
 from armodal.hil_sim.makers.mujoco.sizing import size_to_stand_out
-from armodal.hil_sim.makers.mujoco.standing import POSTURES, RATE_HZ, SAMPLES, Bystander
+from armodal.hil_sim.makers.mujoco.standing import POSTURES, Bystander
 from armodal.hil_sim.makers.plan_texts import Campaign, planned
 from armodal.hil_sim.streams import stream
 from armodal.protocols.arm.records import Arm
@@ -29,7 +29,6 @@ __all__ = ["EFFECTS", "Made", "made"]
 
 EFFECTS: dict[str, Effect] = modules_of(effects.__name__, effects.__path__)
 
-PRETRIGGER = 40
 HITS, SENSOR_KG = 3, 0.011
 
 

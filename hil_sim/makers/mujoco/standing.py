@@ -17,7 +17,12 @@ import numpy.typing as npt
 from armodal.hil_sim.makers.arm_table import Array, Inertial
 from armodal.hil_sim.makers.mujoco.compiled import Compiled, compiled, jacobian
 from armodal.hil_sim.makers.mujoco.in_time import ring_in_time
-from armodal.hil_sim.makers.mujoco.laboratory import site_jacobian, true_angles
+from armodal.hil_sim.makers.mujoco.laboratory import (
+    RATE_HZ,
+    SAMPLES,
+    site_jacobian,
+    true_angles,
+)
 from armodal.hil_sim.makers.mujoco.machine import Machine
 from armodal.hil_sim.makers.mujoco.ordinary import Bench, Ordinary
 from armodal.hil_sim.makers.mujoco.small_signal import small_signal
@@ -39,7 +44,6 @@ FREE_STIFFNESS = 0.35  # std of ln k and ln c, that nobody knows
 FREE_DAMPING = 0.7
 SIMULATED_HZ = 2500.0
 SIMULATED_S = 1.1
-RATE_HZ, SAMPLES = 1250, 1750  # of a record, over which a window falls
 IN_TIME_HZ = 10000.0  # steps of hits that are simulated in time
 EVERY = 5  # of the points, where hits are simulated in time
 
