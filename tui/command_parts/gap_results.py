@@ -27,12 +27,15 @@ from armodal.analyzer.report.effect_words import (
     mechanics_of,
     weight,
 )
+from armodal.protocols.arm.files import load_arm
 from armodal.protocols.arm.records import Arm, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError, SessionError
 from armodal.protocols.session.records import Session
 from armodal.protocols.text_file import replace_text
 from armodal.tui.command_parts.narrow_table import narrow_table
+
+_BY = "armodal gap"  # in the history of arm files
 
 __all__ = ["check_arm_out", "check_results", "gap_json", "gap_tables", "keep_gap", "with_arm"]
 
@@ -95,7 +98,20 @@ def check_results(session_path: Path | None, arm_out: Path | None, html: Path | 
 
 
 def _beside(session_path: Path) -> Path:
-    return session_path.with_suffix(".arm.toml")
+    """Where a new arm file goes: not over one of that name that is no result of this command."""
+    path = session_path.with_suffix(".arm.toml")
+    if not path.exists() or _is_result(path):
+        return path
+    return session_path.with_suffix(".corrected.arm.toml")
+
+
+def _is_result(path: Path) -> bool:
+    """Whether an arm file was last changed by a gap analysis."""
+    try:
+        history = load_arm(path).history
+    except ArmError:
+        return False
+    return bool(history) and history[-1].by == _BY
 
 
 def keep_gap(
@@ -148,7 +164,7 @@ def keep_gap(
             values.effects,
             stiffness=values.stiffness,
             damping=values.damping,
-            past=[PastSession(session_sha256=d, by="armodal gap", created=now) for d in digests],
+            past=[PastSession(session_sha256=d, by=_BY, created=now) for d in digests],
         )
         replace_text(path, text)
         written["arm_file"] = path

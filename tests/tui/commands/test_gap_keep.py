@@ -23,7 +23,7 @@ from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.records import EffectFound, GapResult, Interval, Verdict
 from armodal.protocols.arm.files import load_arm
-from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter
+from armodal.protocols.arm.records import AddedEffect, EffectEvidence, EffectParameter, PastSession
 from armodal.protocols.arm.rewrite import text_with_effects
 from armodal.protocols.errors import ArmError, ArmodalError
 from armodal.tui.cli import app
@@ -143,10 +143,12 @@ def test_what_the_arm_file_had_stays_if_it_still_earns_its_place(session, tmp_pa
 
 
 @pytest.mark.parametrize("link", [None, os.symlink, os.link])
-def test_the_arm_file_that_is_read_is_not_the_one_to_write(tmp_path, link):
+def test_the_arm_file_that_is_read_is_not_the_one_to_write(session, tmp_path, link):
+    """A result of before that is gone on with."""
     path, own = tmp_path / "s.h5", tmp_path / "s.arm.toml"
     path.write_bytes(b"no session: what reads it fails otherwise")
-    own.write_text("edited by hand")
+    before = result_text(session)
+    own.write_text(before)
     given = own
     if link is not None:
         given = tmp_path / "mine.toml"
@@ -155,7 +157,39 @@ def test_the_arm_file_that_is_read_is_not_the_one_to_write(tmp_path, link):
     assert isinstance(result.exception, ArmError)
     assert "wanted another arm file to write than --arm, got" in str(result.exception)
     assert "--arm-out" in str(result.exception)
-    assert own.read_text() == "edited by hand"
+    assert own.read_text() == before
+
+
+def result_text(session):
+    """An arm file as this command leaves it, by its history."""
+    past = PastSession(session_sha256="0" * 64, by="armodal gap", created="2026-01-01T00:00:00Z")
+    arm = session.header.arm
+    return text_with_effects(arm, arm.effects, past=[past])
+
+
+@pytest.mark.parametrize("text", ["edited by hand", None])
+def test_an_arm_file_of_the_users_beside_the_session_stays_as_it_is(session, tmp_path, text):
+    """One that cannot be read, or the session's own; what this command wrote is written again."""
+    path, own = tmp_path / "s.h5", tmp_path / "s.arm.toml"
+    path.write_bytes(b"only its hash counts here")
+    hypothesis = Hypothesis(ordinary=Ordinary(superset=Superset(session.header.arm), postures=()))
+    space = hypothesis.space()
+    final = made_fit(hypothesis, cost=0.0, space=space, u=space.start(SERVO))
+    highest = SimpleNamespace(s_rad_s=np.array([2j * np.pi * 60.0]))
+    outcome = SimpleNamespace(
+        result=named("servo", "elbow"),
+        final=final,
+        stages=[SimpleNamespace(lines=[highest])],
+        sessions=(1,),
+    )
+    users = session.header.arm.text if text is None else text
+    own.write_text(users)
+    written = keep_gap(session, path, outcome, None)
+    assert written["arm_file"] == tmp_path / "s.corrected.arm.toml"
+    assert own.read_text() == users
+    own.unlink()
+    again = [keep_gap(session, path, outcome, None)["arm_file"] for _ in range(2)]
+    assert again == [own, own]
 
 
 def test_another_arm_file_to_write_is_free_to_be_named_once(tmp_path):
