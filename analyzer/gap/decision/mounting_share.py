@@ -44,7 +44,7 @@ def _by_mounting(stage: Stage, fit: Fit) -> Array:
         for p, row in rows:
             own = stage.lines[p]
             places = zip(own.sensor_point.tolist(), own.hit_point[own.hit].tolist(), strict=True)
-            costs = stage.weighings[p].cost_by_mounting(y[row]).sum(axis=1)
+            costs = stage.weighings[p].cost_by_mounting(y[row])
             for place, cost in zip(places, costs.tolist(), strict=True):
                 key = own.name, *place
                 found[key] = found.get(key, 0.0) + cost

@@ -48,11 +48,11 @@ def channel_candidates(
         p = posture_of[lines.name]  # soft and hard hits share one
         posed = Postures([model], [lines])
         y = posed.response(hypothesis, values).values[0]
-        own = weighing.cost_by_mounting(y).sum(axis=1)
+        own = weighing.cost_by_mounting(y)
         at = lines.moved_point
         for kept, predicted in enumerate(_ways(model, hypothesis, lines, values, y)):
             for other, there in predicted.items():
-                cost = weighing.cost_by_mounting(there).sum(axis=1)
+                cost = weighing.cost_by_mounting(there)
                 np.add.at(gain[kept, p, :, other], at, own - cost)
         g, h = weighing.own_slopes(y, posed.by_shift(hypothesis, values)[:, 0])
         np.add.at(slope, at, g)

@@ -1,11 +1,14 @@
 """How far a prediction may be from a measurement: noise, discrepancy, and each mounting's errors.
 
-The errors of a mounting are a matrix on its three axes, I + E. They are integrated out in closed
-form, per channel with columns N (prediction along each axis, times its prior):
+The errors of a mounting are a matrix on its three axes, I + E, and what its sensor's place and its
+hits' are off by. The rows of E are a channel's own, with columns N (prediction along each axis,
+times its prior); place and hits change the three channels together, with columns S. All are
+integrated out in closed form,
 
-    chi^2 = r'r - r'N (N'N + I)^-1 N'r ,
+    chi^2 = r'(W - W S (S'W S + I)^-1 S'W) r ,    W = I - N (N'N + I)^-1 N' ,
 
-and likewise for every product of residual and derivative.
+and likewise for every product of residual and derivative. As a sum of squares: with A'A = I - W and
+B'B the rest, what errors take off a product of x and z is (Ax)'(Az) + (Bx)'(Bz).
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ from armodal.analyzer.gap.model.priors import (
 )
 from armodal.protocols.arm.records import Tolerances
 
-__all__ = ["Discrepancy", "Quadratic", "Weighing", "nuisance", "stacked"]
+__all__ = ["Discrepancy", "Quadratic", "Weighing", "error_rows", "stacked"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
@@ -110,12 +113,9 @@ class Weighing:
         return 2 * self.lines.values.size
 
     def cost_by_mounting(self, y: ComplexArray) -> Array:
-        """(m, 3) chi^2 / 2 of every channel of a prediction, mountings integrated out."""
-        r, N = self._residual(y), self._nuisance(y)
-        Nr = np.einsum("milk,mil->mik", N, r)
-        return np.asarray(
-            0.5 * (np.sum(r * r, axis=-1) - np.sum(Nr * _solved(N, Nr[..., None])[..., 0], axis=-1))
-        )
+        """(m,) chi^2 / 2 of every mounting of a prediction, its errors integrated out."""
+        r = self._residual(y)
+        return np.asarray(0.5 * np.sum(r * self._taken_off(y, r[..., None])[..., 0], axis=(1, 2)))
 
     def cost_by_axis(self, y: ComplexArray) -> Array:
         """(m, 3, 3, 2) chi^2 / 2 of each recorded channel if it were each true axis, +1 or -1."""
@@ -124,46 +124,34 @@ class Weighing:
         for axis in range(3):
             # The channel's own gain belongs to that axis now, its tilts to the others.
             prior = np.broadcast_to(np.roll(self.prior[:, 0], axis, axis=-1)[:, None], (m, 3, 3))
-            N = stacked(self.scale[:, :, None] * y[:, None] * prior[..., None]).swapaxes(-1, -2)
+            A = _own_rows(self.scale, prior, y)
             for side, sign in enumerate((1.0, -1.0)):
                 r = stacked((self.lines.values - sign * y[:, axis, None]) * self.scale)
-                Nr = np.einsum("milk,mil->mik", N, r)
-                solved = _solved(N, Nr[..., None])[..., 0]
-                result[:, :, axis, side] = 0.5 * (
-                    np.sum(r * r, axis=-1) - np.sum(Nr * solved, axis=-1)
-                )
+                Nr = np.matmul(A, r[..., None])[..., 0]
+                result[:, :, axis, side] = 0.5 * (np.sum(r * r, axis=-1) - np.sum(Nr * Nr, axis=-1))
         return result
 
     def gain_slopes(self, y: ComplexArray) -> tuple[Array, Array]:
         """(m, 3) slope and curvature of chi^2 / 2 by each channel's log gain."""
-        r, N = self._residual(y), self._nuisance(y)
         d = stacked(y * self.scale)
-        right = np.stack(
-            [np.einsum("milk,mil->mik", N, r), np.einsum("milk,mil->mik", N, d)], axis=-1
-        )
-        solved = _solved(N, right)
-        slope = -np.sum(d * r, axis=-1) + np.sum(right[..., 1] * solved[..., 0], axis=-1)
-        curve = np.sum(d * d, axis=-1) - np.sum(right[..., 1] * solved[..., 1], axis=-1)
-        return slope, curve
+        alone = d[:, :, :, None] * np.eye(3)[:, None]  # (m, 3, 2L, 3): of one channel each
+        clean = self._taken_off(y, alone)
+        slope = -np.einsum("mil,milk->mk", self._residual(y), clean)
+        return slope, np.einsum("milk,milk->mk", alone, clean)
 
     def own_slopes(self, y: ComplexArray, dy: ComplexArray) -> tuple[Array, Array]:
         """(m, k) slope and (m, k, k) curvature of chi^2 / 2 by what acts on one mounting alone.
 
         `dy` (k, m, 3, L).
         """
-        r, N = self._residual(y), self._nuisance(y)
         J = stacked(dy * self.scale).transpose(1, 2, 3, 0)  # (m, 3, 2L, k)
-        right = np.matmul(N.swapaxes(-1, -2), np.concatenate([J, r[..., None]], axis=-1))
-        clean = np.matmul(N, _solved(N, right))
-        slope = -np.einsum("milk,mil->mk", J, r - clean[..., -1])
-        curve = np.einsum("milk,milj->mkj", J, J - clean[..., :-1])
-        return slope, curve
+        clean = self._taken_off(y, J)
+        slope = -np.einsum("milk,mil->mk", clean, self._residual(y))
+        return slope, np.einsum("milk,milj->mkj", J, clean)
 
     def cleaned(self, y: ComplexArray) -> ComplexArray:
         """Residual (m, 3, L), weighted, after the best mounting errors are taken off."""
-        r, N = self._residual(y), self._nuisance(y)
-        Nr = np.einsum("milk,mil->mik", N, r)
-        left = r - np.einsum("milk,mik->mil", N, _solved(N, Nr[..., None])[..., 0])
+        left = self._taken_off(y, self._residual(y)[..., None])[..., 0]
         return np.ascontiguousarray(left).view(np.complex128)
 
     def sensitivities(self, y: ComplexArray, dy: ComplexArray) -> tuple[Array, Array, Array]:
@@ -172,38 +160,43 @@ class Weighing:
         Returns
         -------
         J, clean : (n, m, 3, 2L)
-            clean is W J and J'clean the curvature, W = I - N (N'N + I)^-1 N'.
+            clean is M J and J'clean the curvature, M the matrix of chi^2.
         r : (m, 3, 2L)
-            W times the residual.
+            M times the residual.
         """
-        N = self._nuisance(y)
         J = stacked(dy * self.scale.astype(dy.real.dtype))  # (n, m, 3, 2L)
-        solve = np.matmul(
-            np.linalg.inv(np.matmul(N.swapaxes(-1, -2), N) + np.eye(N.shape[-1])),
-            N.swapaxes(-1, -2),
-        ).astype(J.dtype)
-        own = N.astype(J.dtype)
-
-        def cleaned(rows: Array) -> Array:  # (m, 3, n, 2L)
-            taken = np.matmul(np.matmul(rows, solve.swapaxes(-1, -2)), own.swapaxes(-1, -2))
-            return np.asarray(rows - taken)
-
-        by_channel = np.ascontiguousarray(J.transpose(1, 2, 0, 3))
-        clean = cleaned(by_channel).transpose(2, 0, 1, 3)
-        r = cleaned(self._residual(y)[:, :, None].astype(J.dtype))[:, :, 0]
-        return J, clean, r
+        columns = np.ascontiguousarray(J.transpose(1, 2, 3, 0))
+        clean = self._taken_off(y, columns).transpose(3, 0, 1, 2)
+        return J, clean, self._taken_off(y, self._residual(y)[..., None].astype(J.dtype))[..., 0]
 
     def _residual(self, y: ComplexArray) -> Array:
         return stacked((self.lines.values - y) * self.scale)
 
-    def _nuisance(self, y: ComplexArray) -> Array:
-        return nuisance(self.scale, self.prior, self.places, y)
+    def _taken_off(self, y: ComplexArray, x: Array) -> Array:
+        """Columns x (m, 3, 2L, n) less what mounting errors about a prediction take off."""
+        rows = error_rows(self.scale, self.prior, self.places, y)
+        A, B = (of.astype(x.dtype, copy=False) for of in rows)
+        left = x - np.matmul(A.swapaxes(-1, -2), np.matmul(A, x))
+        m, n = len(x), x.shape[-1]
+        B = B.reshape(m, B.shape[1], x[0, ..., 0].size)
+        shared = np.matmul(B.swapaxes(-1, -2), np.matmul(B, x.reshape(m, -1, n)))
+        return np.asarray(left - shared.reshape(x.shape))
 
 
-def nuisance(scale: Array, prior: Array, places: Array, y: ComplexArray) -> Array:
-    """(m, 3, 2L, 3 + k) columns of the mounting's errors."""
+def error_rows(scale: Array, prior: Array, places: Array, y: ComplexArray) -> tuple[Array, Array]:
+    """A (m, 3, 3, 2L), of each channel alone, and B (m, k, 3, 2L), of the three together."""
+    A = _own_rows(scale, prior, y)
+    left = places - np.matmul(np.matmul(places, A.swapaxes(-1, -2)), A)  # (m, 3, k, 2L)
+    m, _, k, length = places.shape
+    S, WS = (of.swapaxes(1, 2).reshape(m, k, 3 * length) for of in (places, left))
+    B = np.matmul(_root_of_inverse(np.matmul(S, WS.swapaxes(-1, -2))), WS)
+    return A, B.reshape(m, k, 3, length)
+
+
+def _own_rows(scale: Array, prior: Array, y: ComplexArray) -> Array:
+    """(m, 3, 3, 2L) of each channel's own errors; `y` as all three see it."""
     N = stacked(scale[:, :, None] * y[:, None] * prior[..., None])  # (m, 3, 3, 2L)
-    return np.concatenate([N, places.astype(N.dtype, copy=False)], axis=2).swapaxes(-1, -2)
+    return np.asarray(np.matmul(_root_of_inverse(np.matmul(N, N.swapaxes(-1, -2))), N))
 
 
 def stacked(z: ComplexArray) -> Array:
@@ -211,6 +204,6 @@ def stacked(z: ComplexArray) -> Array:
     return np.ascontiguousarray(z).view(z.real.dtype)
 
 
-def _solved(N: Array, right: Array) -> Array:
-    gram = np.matmul(N.swapaxes(-1, -2), N) + np.eye(N.shape[-1])  # never near singular
-    return np.asarray(np.matmul(np.linalg.inv(gram), right))
+def _root_of_inverse(gram: Array) -> Array:
+    """(..., k, k) R with R'R = (gram + I)^-1, which is never near singular."""
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(gram + np.eye(gram.shape[-1]))))

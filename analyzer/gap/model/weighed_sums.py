@@ -1,7 +1,7 @@
 """Misfit of many measurements at once, with its gradient and curvature by every parameter.
 
-Mounting errors are taken off as `weigh` has it: of a matrix R with R'R = (N'N + I)^-1 each product
-is one of r and RN'r, so what errors take off is a sum of squares.
+Mounting errors are taken off as `weigh` has it: what they take off a product is a sum of squares,
+of each channel's own and of what the three of a mounting share.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.model.columns import Columns
-from armodal.analyzer.gap.model.weigh import Quadratic, Weighing, nuisance, stacked
+from armodal.analyzer.gap.model.weigh import Quadratic, Weighing, error_rows, stacked
 
 __all__ = ["costs_of", "sloped", "summed"]
 
@@ -41,7 +41,7 @@ def summed(
     The sum over the measurements, and the cost of each.
     """
     left = _left(weighings, y, at, columns, y)
-    gradient, curvature = _products(columns, left.root, left.slopes, left.pull, left.errors)
+    gradient, curvature = _products(columns, left)
     whole = Quadratic(
         cost=float(left.costs.sum()), gradient=gradient, curvature=(curvature + curvature.T) / 2
     )
@@ -64,8 +64,10 @@ def sloped(
     """
     beside, columns = about
     left = _left(weighings, y, at, columns, beside)
-    along = np.matmul(left.slopes.reshape(len(left.errors), 1, -1), left.errors)[:, 0]
-    along = (along - left.pull.reshape(along.shape)).reshape(*y.shape[:3], -1)
+    along = np.zeros((*y.shape[:3], 2 * y.shape[3]))
+    for slopes, errors in ((left.slopes, left.errors), (left.shared_slopes, left.shared_errors)):
+        along += np.matmul(slopes[:, None], errors)[:, 0].reshape(along.shape)
+    along -= left.pull.reshape(along.shape)
     along = (along * np.repeat(left.root, 2, axis=-1)).astype(columns.shared.real.dtype)
     gradient = np.zeros(columns.n)
     shared, own = (stacked(of) for of in (columns.shared, columns.own))
@@ -79,9 +81,11 @@ class _Left:
     """What predictions leave of measurements, and what mounting errors make of it."""
 
     root: Array  # (P, m, 3, L) of the weights
-    slopes: Array  # (P m 3 t k,) products of mounting errors with the residual
     pull: Array  # (P m 3 2L,) the residual
-    errors: Array  # (P m 3, t k, 2L) normed columns of the mountings' errors
+    errors: Array  # (P m 3, t 3, 2L) rows of each channel's own errors, t turns of measurements
+    slopes: Array  # (P m 3, t 3) their products with the residual
+    shared_errors: Array  # (P m, t k, 3 2L) of what the channels of a mounting share
+    shared_slopes: Array  # (P m, t k)
     costs: Array  # (measurements,)
 
 
@@ -103,61 +107,76 @@ def _left(
     pull = np.zeros((P, m, 3, 2 * L))
     costs = np.zeros(len(at))
     turns = _turns(at)
-    k = 3 + weighings[0].places.shape[2]
-    errors = np.zeros((P, m, 3, len(turns), k, 2 * L), columns.shared.real.dtype)
-    slopes = np.zeros((P, m, 3, len(turns), k))
+    t, k = len(turns), weighings[0].places.shape[2]
+    kind = columns.shared.real.dtype
+    errors = np.zeros((P, m, 3, t, 3, 2 * L), kind)
+    slopes = np.zeros((P, m, 3, t, 3))
+    shared_errors = np.zeros((P, m, t, k, 3, 2 * L), kind)
+    shared_slopes = np.zeros((P, m, t, k))
     for number, turn in enumerate(turns):
         rows = [at[k] for k in turn]
-        own = [weighings[k] for k in turn]
-        scale, r, N, Nr, costs[turn] = _measured(own, y[rows], errors_of[rows])
-        part = np.repeat(scale / root[rows].reshape(-1, 3, L), 2, axis=-1)
-        errors[rows, :, :, number] = (part[:, :, None] * N).reshape(-1, m, 3, k, 2 * L)
-        slopes[rows, :, :, number] = Nr.reshape(-1, m, 3, k)
-        pull[rows] += (part * r).reshape(-1, m, 3, 2 * L)
+        found = _measured([weighings[k] for k in turn], y[rows], errors_of[rows])
+        costs[turn] = found.costs
+        part = np.repeat(found.scale / root[rows].reshape(-1, 3, L), 2, axis=-1)
+        shape = (len(rows), m)
+        errors[rows, :, :, number] = (part[:, :, None] * found.own).reshape(*shape, 3, 3, 2 * L)
+        slopes[rows, :, :, number] = found.own_slopes.reshape(*shape, 3, 3)
+        shared = part[:, None] * found.shared
+        shared_errors[rows, :, number] = shared.reshape(*shape, k, 3, 2 * L)
+        shared_slopes[rows, :, number] = found.shared_slopes.reshape(*shape, k)
+        pull[rows] += (part * found.residual).reshape(*shape, 3, 2 * L)
     return _Left(
-        root, slopes.reshape(-1), pull.reshape(-1), errors.reshape(P * m * 3, -1, 2 * L), costs
+        root=root,
+        pull=pull.reshape(-1),
+        errors=errors.reshape(P * m * 3, -1, 2 * L),
+        slopes=slopes.reshape(P * m * 3, -1),
+        shared_errors=shared_errors.reshape(P * m, t * k, 6 * L),
+        shared_slopes=shared_slopes.reshape(P * m, t * k),
+        costs=costs,
     )
 
 
-def _products(
-    columns: Columns, root: Array, slopes: Array, pull: Array, errors: Array
-) -> tuple[Array, Array]:
+def _products(columns: Columns, left: _Left) -> tuple[Array, Array]:
     """Gradient (n,) and curvature (n, n) of weighted derivatives, mounting errors taken off.
 
     In double precision: steps are made of the smallest eigenvalues.
-
-    Parameters
-    ----------
-    root
-        (P, m, 3, L) of the weights.
-    slopes, pull
-        Products of mounting errors with the residual, and that itself, flat.
-    errors
-        (P m 3, k, 2L) normed columns of the mountings' errors.
     """
-    weights = np.repeat(root, 2, axis=-1).reshape(len(errors), 1, -1)
-    weighed_errors = (errors * weights).astype(errors.dtype).swapaxes(-1, -2)
+    errors, shared_errors = left.errors, left.shared_errors
+    M = len(shared_errors)  # mountings, of all predictions
+    weights = np.repeat(left.root, 2, axis=-1)
     flat_weights = weights.reshape(-1)
 
-    def weighed(dy: ComplexArray) -> tuple[Array, Array]:
-        """(j, P m 3 2L) derivatives and (j, P m 3 k) their products with the mounting errors."""
-        J = stacked(dy).reshape(len(dy), *errors.shape[::2])
-        by_errors = np.matmul(J.swapaxes(0, 1), weighed_errors).swapaxes(0, 1)
-        flat_errors = by_errors.reshape(len(dy), -1).astype(np.float64)
-        return J.reshape(len(dy), -1) * flat_weights, flat_errors
+    def weighed(rows: Array) -> Array:
+        """(g, 2L, k) what is multiplied with derivatives that are not weighted yet."""
+        own = rows * weights.reshape(len(rows), 1, -1)
+        return np.asarray(own.astype(rows.dtype).swapaxes(-1, -2))
+
+    weighed_errors = weighed(errors), weighed(shared_errors)
+    slopes = np.concatenate([left.slopes.reshape(M, -1), left.shared_slopes], axis=1)
+
+    def products(dy: ComplexArray) -> tuple[Array, Array]:
+        """(j, M 6L) derivatives and (j, M k) their products with each mounting's errors."""
+        J = stacked(dy).reshape(len(dy), -1)
+        found = []
+        for rows in weighed_errors:
+            by_group = J.reshape(len(dy), len(rows), -1).swapaxes(0, 1)
+            of_rows = np.matmul(by_group, rows).swapaxes(0, 1)  # (j, g, k)
+            k = rows.shape[-1] * len(rows) // M
+            found.append(of_rows.reshape(len(dy), M, k).astype(np.float64))
+        return J * flat_weights, np.concatenate(found, axis=-1).reshape(len(dy), -1)
 
     gradient, curvature = np.zeros(columns.n), np.zeros((columns.n, columns.n))
-    J, E = weighed(columns.shared)
+    J, E = products(columns.shared)
     curvature[np.ix_(columns.rows, columns.rows)] = J @ J.T - E @ E.T
-    gradient[columns.rows] = E @ slopes - J @ pull
-    j, P, m = columns.own_rows.shape
+    gradient[columns.rows] = E @ slopes.reshape(-1) - J @ left.pull
+    j = len(columns.own_rows)
     if j:
-        each = (*weighed(columns.own), J, E)
-        J_own, E_own, J, E = (of.reshape(len(of), P * m, -1).swapaxes(0, 1) for of in each)
-        across = J_own @ J.swapaxes(1, 2) - E_own @ E.swapaxes(1, 2)  # (P m, j, k)
+        each = (*products(columns.own), J, E)
+        J_own, E_own, J, E = (of.reshape(len(of), M, -1).swapaxes(0, 1) for of in each)
+        across = J_own @ J.swapaxes(1, 2) - E_own @ E.swapaxes(1, 2)  # (M, j, k)
         alone = J_own @ J_own.swapaxes(1, 2) - E_own @ E_own.swapaxes(1, 2)
-        slope = E_own @ slopes.reshape(P * m, -1, 1) - J_own @ pull.reshape(P * m, -1, 1)
-        at = columns.own_rows.reshape(j, -1).T  # (P m, j)
+        slope = E_own @ slopes[..., None] - J_own @ left.pull.reshape(M, -1, 1)
+        at = columns.own_rows.reshape(j, -1).T  # (M, j)
         each_once, of_each = np.unique(at, return_inverse=True)
         is_of = of_each.reshape(-1) == np.arange(len(each_once))[:, None]
         beside = is_of.astype(np.float64) @ across.reshape(at.size, -1)  # sums over mountings
@@ -170,24 +189,24 @@ def _products(
 
 def costs_of(weighings: Sequence[Weighing], y: ComplexArray) -> list[float]:
     """chi^2 / 2 of lines alike, all at once: each measurement's prediction, y (P, m, 3, L)."""
-    *_, costs = _measured(weighings, y, y)
-    return [float(cost) for cost in costs]
+    return [float(cost) for cost in _measured(weighings, y, y).costs]
 
 
-def _measured(
-    weighings: Sequence[Weighing], y: ComplexArray, errors_of: ComplexArray
-) -> tuple[Array, Array, Array, Array, Array]:
-    """Measurements of lines alike beside their predictions (P, m, 3, L).
+@dataclass(frozen=True, slots=True)
+class _Measured:
+    """Measurements of lines alike beside their predictions, M mountings of all together."""
 
-    `errors_of`: as of `_left`.
+    scale: Array  # (M, 3, L)
+    residual: Array  # (M, 3, 2L)
+    own: Array  # (M, 3, 3, 2L) rows of each channel's own errors
+    own_slopes: Array  # (M, 3, 3) their products with the residual
+    shared: Array  # (M, k, 3, 2L) of what the three channels share
+    shared_slopes: Array  # (M, k)
+    costs: Array  # (P,) chi^2 / 2
 
-    Returns
-    -------
-    scale : (P m, 3, L)
-    r : (P m, 3, 2L) residual
-    N : (P m, 3, k, 2L) (N'N + I)^-1/2 N': what errors take off is then a sum of squares
-    Nr : (P m, 3, k) their product with the residual
-    costs : (P,) chi^2 / 2
+
+def _measured(weighings: Sequence[Weighing], y: ComplexArray, errors_of: ComplexArray) -> _Measured:
+    """Set measurements beside predictions (P, m, 3, L); `errors_of`: as of `_left`.
 
     Raises
     ------
@@ -202,15 +221,23 @@ def _measured(
         )
     )
     r = stacked((values - there) * scale)
-    beside = errors_of.reshape(there.shape)
-    N = nuisance(scale, prior, places, beside).swapaxes(-1, -2)
-    N = np.matmul(_root_of_inverse(N), N)
-    Nr = np.matmul(N, r[..., None])[..., 0]
-    squares = np.sum(r * r, axis=-1)
+    own, shared = error_rows(scale, prior, places, errors_of.reshape(there.shape))
+    own_slopes = np.matmul(own, r[..., None])[..., 0]
+    flat = shared.reshape(*shared.shape[:2], r[0].size)
+    shared_slopes = np.matmul(flat, r.reshape(len(r), -1, 1))[..., 0]
+    squares = np.sum(r * r, axis=(1, 2))
     if not np.all(squares < _TELLING):
         raise np.linalg.LinAlgError("Predictions so far off that rounding alone is nats")
-    by_channel = squares - np.sum(Nr * Nr, axis=-1)
-    return scale, r, N, Nr, 0.5 * by_channel.reshape(len(y), -1).sum(axis=1)
+    by_mounting = squares - np.sum(own_slopes**2, axis=(1, 2)) - np.sum(shared_slopes**2, axis=1)
+    return _Measured(
+        scale=scale,
+        residual=r,
+        own=own,
+        own_slopes=own_slopes,
+        shared=shared,
+        shared_slopes=shared_slopes,
+        costs=0.5 * by_mounting.reshape(len(y), -1).sum(axis=1),
+    )
 
 
 def _turns(at: Sequence[int]) -> list[list[int]]:
@@ -223,9 +250,3 @@ def _turns(at: Sequence[int]) -> list[list[int]]:
             turns.append([])
         turns[turn].append(k)
     return turns
-
-
-def _root_of_inverse(N: Array) -> Array:
-    """(m, 3, k, k) matrices R with R'R = (N N' + I)^-1, of rows N (m, 3, k, 2L)."""
-    gram = np.matmul(N, N.swapaxes(-1, -2)) + np.eye(N.shape[-2])  # never near singular
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(gram)))

@@ -12,10 +12,10 @@ from armodal.hil_sim.study import make_case
 
 
 class Weighed:
-    """Mountings of one channel whose cost is what a fit left of each."""
+    """Mountings whose cost is what a fit left of each."""
 
     def cost_by_mounting(self, y):
-        return y[:, None]
+        return y
 
 
 def left(*of_mountings, least_shared=0.0):

@@ -32,29 +32,47 @@ def made_lines(rng, n_lines=4, mountings=2):
     )
 
 
-@pytest.fixture
-def setup():
-    rng = np.random.default_rng(3)
+def made_places(rng, lines):
+    """What two errors that the channels of a mounting share may change."""
+    m, _, n_lines = lines.values.shape
+    shape = (m, 3, 2, n_lines)
+    return 0.1 * (rng.standard_normal(shape) + 1j * rng.standard_normal(shape))
+
+
+def made_weighing(rng, tolerances, *, places=True):
     lines = made_lines(rng)
-    weighing = Weighing(lines, load_arm("rv4frl").tolerances, Discrepancy())
+    own = made_places(rng, lines) if places else None
+    return Weighing(lines, tolerances, Discrepancy(), places=own)
+
+
+@pytest.fixture(params=[True, False])
+def setup(request):
+    """Mountings of which places are known only nearly, and exactly."""
+    rng = np.random.default_rng(3)
+    weighing = made_weighing(rng, load_arm("rv4frl").tolerances, places=request.param)
+    lines = weighing.lines
     y = lines.values + 0.05 * rng.standard_normal(lines.values.shape)
     return rng, lines, weighing, y
 
 
 def dense(weighing, y, *, errors_of=None):
-    """-ln p up to a constant, by the covariance of all real residuals of each channel.
+    """-ln p up to a constant, by the covariance of all real residuals of each mounting.
 
     The mounting's errors act on the prediction `errors_of`, by default on `y` itself.
     """
     turned = y if errors_of is None else errors_of
     total = 0.0
     for m in range(y.shape[0]):
+        residual = (weighing.lines.values - y)[m] * weighing.scale[m]  # (3, L)
+        r = np.concatenate([residual.real, residual.imag], axis=-1)
+        own = np.zeros((3, 3, *r.shape[1:], 3))
         for i in range(3):
-            r = (weighing.lines.values - y)[m, i] * weighing.scale[m, i]
-            r = np.concatenate([r.real, r.imag])
             N = (turned[m].T * weighing.scale[m, i][:, None]) * weighing.prior[m, i]
-            N = np.concatenate([N.real, N.imag])
-            total += 0.5 * r @ np.linalg.solve(np.eye(r.size) + N @ N.T, r)
+            own[i, i] = np.concatenate([N.real, N.imag])
+        shared = weighing.places[m].swapaxes(-1, -2)  # (3, 2L, k): real and imaginary in turn
+        shared = np.concatenate([shared[:, ::2], shared[:, 1::2]], axis=1).reshape(r.size, -1)
+        N = np.concatenate([own.transpose(0, 2, 1, 3).reshape(r.size, 9), shared], axis=-1)
+        total += 0.5 * r.ravel() @ np.linalg.solve(np.eye(r.size) + N @ N.T, r.ravel())
     return total
 
 
@@ -88,7 +106,7 @@ def test_measurements_that_share_predictions_weigh_as_each_alone():
     rng = np.random.default_rng(8)
     tolerances = load_arm("rv4frl").tolerances
     at = [2, 0, 0, 1, 2, 0]
-    weighings = [Weighing(made_lines(rng), tolerances, Discrepancy()) for _ in at]
+    weighings = [made_weighing(rng, tolerances) for _ in at]
     shape = weighings[0].lines.values.shape
     y = rng.standard_normal((3, *shape)) + 1j * rng.standard_normal((3, *shape))
     dy = rng.standard_normal((5, 3, *shape)) + 1j * rng.standard_normal((5, 3, *shape))
@@ -108,7 +126,7 @@ def test_what_acts_on_single_mountings_counts_as_whole_columns_do():
     """Of two points, each with two parameters of its own, beside three that act everywhere."""
     rng = np.random.default_rng(9)
     tolerances = load_arm("rv4frl").tolerances
-    weighings = [Weighing(made_lines(rng), tolerances, Discrepancy()) for _ in range(3)]
+    weighings = [made_weighing(rng, tolerances) for _ in range(3)]
     shape = weighings[0].lines.values.shape
 
     def drawn(*more):
