@@ -33,7 +33,8 @@ def ordinary_of(
     ordinary = Ordinary(
         superset=superset,
         postures=tuple(own.name for own in lines),
-        hit_points=_hit_alone(superset, lines),
+        hit_points=_hit(superset, lines),
+        one_is_hit=any(len(own.hit_point) == 1 for own in lines),
         levels_hit=levels_hit,
         hits_between=levels_hit and any(has_hits_between(session) for session in sessions),
     )
@@ -47,9 +48,9 @@ def ordinary_of(
     return ordinary
 
 
-def _hit_alone(superset: Superset, lines: Sequence[PostureLines]) -> tuple[str, ...]:
-    """Points that are hit while the sensor goes round."""
-    hit = [int(own.hit_point[0]) for own in lines if len(own.hit_point) == 1]
+def _hit(superset: Superset, lines: Sequence[PostureLines]) -> tuple[str, ...]:
+    """Points that are hit."""
+    hit = [int(point) for own in lines for point in own.hit_point]
     return tuple(superset.arm.points[point].id for point in dict.fromkeys(hit))
 
 

@@ -34,7 +34,7 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     Where one point is hit, a posture's hits have but two angles, which the null has as their aim.
     """
     postures = ordinary.postures
-    if ordinary.hit_points:
+    if ordinary.one_is_hit:
         return (_turned(None), *(_aimed(posture) for posture in postures))
     return (_turned(None), *(_turned(posture) for posture in postures))
 

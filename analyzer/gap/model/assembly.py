@@ -137,8 +137,8 @@ class Assembly:
     # (n_hits,) point that each hit truly struck; None: as recorded.
     hit_point: npt.NDArray[np.int64] | None = None
     shifts_m: dict[int, Array] = field(default_factory=dict)  # of points, along sensor axes there
-    # By which all hits fall off their point, along the axes a sensor has there.
-    hit_place_m: Array = field(default_factory=lambda: np.zeros(3))
+    # (n_hits, 3) by which hits fall off their points, along the axes a sensor has there; None: not.
+    hit_place_m: Array | None = None
 
     def copied(self) -> Assembly:
         """Return equations that can be added to without changing these."""

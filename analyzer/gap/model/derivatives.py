@@ -36,6 +36,7 @@ __all__ = ["Solved"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+NamesOfMountings = list[list[tuple[str, ...]]]  # (P, m, k)
 
 _INERTIA_STEP = 1e-6
 _RELATIVE_STEP = 1e-3  # of a parameter's prior deviation
@@ -167,42 +168,31 @@ class Solved:
                 [own.hit_turn @ across(own.lines.hit_direction[0]) for own in self.assemblies]
             )
             for side, letter in enumerate("ab"):
-                by_hit_direction = found.by_force(0, sides[..., side])
+                by_hit_direction = found.by_forces(sides[:, None, :, side])
                 for p, own in enumerate(self.assemblies):
                     yield p, f"aim {letter} {own.lines.name}", by_hit_direction[p]
-
-    def by_hit_places(self) -> Iterator[tuple[int, str, ComplexArray]]:
-        """Place of the hits at the one point that is hit: derivatives (m, 3, L) of each posture."""
-        found = self.found
-        if found.system.hit.shape[1] == 1:
-            hit = [int(own.lines.hit_point[0]) for own in self.assemblies]
-            for axis in range(3):
-                # Where it was struck in truth, which an effect may say.
-                along = [
-                    own.geometry.point_rotation[own.struck[0], :, axis] for own in self.assemblies
-                ]
-                by_place = found.by_moment(0, np.cross(along, self.exact.system.force[:, 0]))
-                for p, point in enumerate(hit):
-                    name = self.ordinary.hit_place_names(self.ordinary.arm.points[point].id)[axis]
-                    yield p, name, by_place[p]
 
     def by_hit_shifts(self) -> ComplexArray:
         """Derivatives (3, P, m, 3, L) by a shift of each mounting's hit along the axes there."""
         system, own = self.exact.system, self.assemblies
         found = []
         for axis in range(3):
+            # Where it was struck in truth, which an effect may say.
             along = np.array([a.geometry.point_rotation[a.struck, :, axis] for a in own])
-            moments = np.cross(along, system.force)  # (P, n_hits, 3)
-            by_hit = (self.found.by_moment(h, moments[:, h]) for h in range(moments.shape[1]))
-            found.append(sum(by_hit))
+            found.append(self.found.by_moments(np.cross(along, system.force)))
         return np.stack(found)
 
-    def by_places(self) -> tuple[list[list[tuple[str, ...]]], ComplexArray]:
-        """Places of points: names (P, m, 3) and derivatives (3, P, m, 3, L), there alone."""
-        points = self.ordinary.arm.points
-        of_point = [self.ordinary.place_names(point.id) for point in points]
-        names = [[of_point[at] for at in own.lines.sensor_point] for own in self.assemblies]
-        return names, self.found.by_shift()
+    def by_hit_places(self) -> tuple[NamesOfMountings, ComplexArray]:
+        """Places of hits: names (P, m, 3) and derivatives (3, P, m, 3, L), of a mounting's own."""
+        of_point = [self.ordinary.hit_place_names(p.id) for p in self.ordinary.arm.points]
+        at = (own.lines.hit_point[own.lines.hit] for own in self.assemblies)
+        return [[of_point[point] for point in hits] for hits in at], self.by_hit_shifts()
+
+    def by_places(self) -> tuple[NamesOfMountings, ComplexArray]:
+        """Places of sensors: names (P, m, 3) and derivatives (3, P, m, 3, L), there alone."""
+        of_point = [self.ordinary.place_names(p.id) for p in self.ordinary.arm.points]
+        at = (own.lines.sensor_point for own in self.assemblies)
+        return [[of_point[point] for point in sensors] for sensors in at], self.found.by_shift()
 
     def by_angles(self) -> Iterator[tuple[str, ComplexArray]]:
         """Joint angles, by which the encoders are off."""

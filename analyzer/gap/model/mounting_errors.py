@@ -27,12 +27,12 @@ def mounting_error_columns(found: Response, tolerances: Tolerances) -> ComplexAr
     shifts = found.by_shift() * PLACE_STD_M  # (3, P, m, 3, L)
     columns = [*shifts]
     hits = found.system.force  # (P, n_hits, 3)
+    along = hits / np.linalg.norm(hits, axis=-1, keepdims=True)
+    both_sides = np.array([[across(own) for own in of_posture] for of_posture in along])
     for side in range(2):
-        aimed, beside = (np.zeros(shifts.shape[1:], dtype=shifts.dtype) for _ in range(2))
-        for hit in range(hits.shape[1]):
-            lengths = np.linalg.norm(hits[:, hit], axis=1, keepdims=True)
-            sides = np.array([across(own)[:, side] for own in hits[:, hit] / lengths])
-            aimed = aimed + found.by_force(hit, tolerances.hit_direction_rad * sides)
-            beside = beside + found.by_moment(hit, PLACE_STD_M * np.cross(sides, hits[:, hit]))
-        columns += [aimed, beside]
+        sides = both_sides[..., side]  # (P, n_hits, 3)
+        columns += [
+            found.by_forces(tolerances.hit_direction_rad * sides),
+            found.by_moments(PLACE_STD_M * np.cross(sides, hits)),
+        ]
     return np.stack(columns, axis=3)

@@ -63,7 +63,8 @@ class Ordinary:
     # The arm with its drives as a first fit has them: ordinary compliances are parts of theirs.
     fitted: Superset | None = None
     postures: tuple[str, ...]
-    hit_points: tuple[str, ...] = ()  # those that are hit while the sensor goes round
+    hit_points: tuple[str, ...] = ()  # those that are hit
+    one_is_hit: bool = False  # in a posture, while the sensor goes round
     levels_hit: bool = False  # whether every point was hit softly and hard
     hits_between: bool = False  # likewise, and once between in some session
     # ln of hard over soft hits' force, halved, where they are told apart; else zero.
@@ -202,7 +203,7 @@ class Ordinary:
         return tuple(f"place {axis} {point}" for axis in "xyz")
 
     def hit_place_names(self, point: str) -> tuple[str, ...]:
-        """Return the names by which hits at the one point that is hit fall off it."""
+        """Return the names by which hits at a point fall off it, all alike."""
         return tuple(f"hit place {axis} {point}" for axis in "xyz")
 
     def _places(self, values: Mapping[str, float]) -> Array:
@@ -262,12 +263,14 @@ class Ordinary:
         assembly.place_m = self._places(values)[lines.sensor_point]
         gains, turned = self.sensor(values)
         assembly.mix = np.broadcast_to(gains[:, None] * turned, (len(lines.sensor_point), 3, 3))
+        points = [self.arm.points[at].id for at in lines.hit_point]
+        if set(points) <= set(self.hit_points):
+            places = [[values[name] for name in self.hit_place_names(id_)] for id_ in points]
+            assembly.hit_place_m = np.array(places).reshape(-1, 3)
         if len(lines.hit_point) == 1:
             aim = np.array([values[f"aim {side} {lines.name}"] for side in "ab"])
             direction = lines.hit_direction[0]
             assembly.force = (direction + across(direction) @ aim)[None]
-            place = self.hit_place_names(self.arm.points[lines.hit_point[0]].id)
-            assembly.hit_place_m = np.array([values.get(name, 0.0) for name in place])
         return assembly
 
 

@@ -33,6 +33,7 @@ __all__ = ["PosedModel", "Postures"]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
+Indices = npt.NDArray[np.int64]
 
 _TOGETHER = 320  # lines of postures solved together: more outgrow the processor's cache
 
@@ -198,16 +199,20 @@ class Postures:
         for name, derivative in chain(posed.by_equations(), posed.by_differences(space)):
             if name in space.index:
                 every[space.index[name]] += derivative[:, :, 0]
-        for p, name, own in chain(posed.by_hit_directions(), posed.by_hit_places()):
+        for p, name, own in posed.by_hit_directions():
             if name in space.index:
                 every[space.index[name], p] += own[:, 0]
+        of_mountings = np.indices(every.shape[1:3])
+        for at, own in zip(*_of_hits(posed, space), strict=True):
+            every[at, *of_mountings] += own[:, :, 0]
         return np.asarray(every * as_single(space.std)[:, None, None, None])
 
     def _columns(self, posed: Solved, space: Space) -> Columns:
         y = posed.exact.values
         std = space.std.astype(posed.found.x.real.dtype)
-        names, shifts = posed.by_places()
-        own_rows = np.moveaxis(np.vectorize(space.index.__getitem__)(names), -1, 0)
+        places, of_hits = _of_sensors(posed, space), _of_hits(posed, space)
+        own_rows = np.concatenate([places[0], of_hits[0]])
+        shifts = np.concatenate([places[1], of_hits[1]])
         rows = np.setdiff1d(np.arange(len(space)), own_rows)
         shared = np.empty((len(rows), *y.shape), dtype=posed.found.x.dtype)
         among = set(rows.tolist())
@@ -227,7 +232,7 @@ class Postures:
             else:
                 slot = slot_of[row] = len(slot_of)
                 np.multiply(derivative, std[row], out=shared[slot], casting="same_kind")
-        for p, name, own in chain(posed.by_hit_directions(), posed.by_hit_places()):
+        for p, name, own in posed.by_hit_directions():
             row = space.index.get(name, -1)
             if row in among:
                 if row not in slot_of:
@@ -335,3 +340,17 @@ class Postures:
         ):
             self._own_slopes, self._stacked = own, stacked_slopes(own)
         return self._stacked
+
+
+def _of_sensors(posed: Solved, space: Space) -> tuple[Indices, ComplexArray]:
+    """Rows (3, P, m) of the places of sensors, and their derivatives (3, P, m, 3, L)."""
+    names, shifts = posed.by_places()
+    return np.moveaxis(np.vectorize(space.index.__getitem__)(names), -1, 0), shifts
+
+
+def _of_hits(posed: Solved, space: Space) -> tuple[Indices, ComplexArray]:
+    """Likewise of hits; none where what is ordinary has no place of theirs."""
+    names, shifts = posed.by_hit_places()
+    rows = np.array([[[space.index.get(n, -1) for n in own] for own in of_p] for of_p in names])
+    known = slice(0) if np.any(rows < 0) else slice(None)
+    return np.moveaxis(rows, -1, 0)[known], shifts[known]

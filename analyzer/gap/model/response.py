@@ -308,21 +308,20 @@ class Response:
         y = real_times(changes.reshape(-1, 36), products.reshape(P, m, 36, 3 * L))
         return np.asarray(y.reshape(P, m, -1, 3, L).transpose(2, 0, 1, 3, 4))
 
-    def by_force(self, hit: int, change: Array) -> ComplexArray:
-        """Derivative by the force's components (P, 3) of one hit."""
-        return self._by_load(hit, change[:, None] @ self.system.hit[:, hit])
+    def by_forces(self, change: Array) -> ComplexArray:
+        """Derivative by the forces (P, n_hits, 3), of each mounting by its own hit's."""
+        return self._by_loads(change[:, :, None] @ self.system.hit)
 
-    def by_moment(self, hit: int, change: Array) -> ComplexArray:
-        """Derivative by a moment (P, 3) beside the force of one hit."""
-        return self._by_load(hit, change[:, None] @ self.system.hit_turned[:, hit])
+    def by_moments(self, change: Array) -> ComplexArray:
+        """Likewise by moments (P, n_hits, 3) beside the forces."""
+        return self._by_loads(change[:, :, None] @ self.system.hit_turned)
 
-    def _by_load(self, hit: int, load: Array) -> ComplexArray:
-        """`load` (P, 1, n)."""
-        b = load[:, None]
+    def _by_loads(self, loads: Array) -> ComplexArray:
+        """`loads` (P, n_hits, 1, n)."""
         P, m, n, L = self.x.shape
-        b = b.astype(self.x.real.dtype, copy=False)
-        y = real_times(b, self.under_loads.reshape(P, m, n, 3 * L)).reshape(P, m, 3, L)
-        return np.asarray(y * (self.hit == hit)[:, :, None, None])
+        own = of_hits(loads, self.hit).astype(self.x.real.dtype, copy=False)
+        y = real_times(own, self.under_loads.reshape(P, m, n, 3 * L))
+        return np.asarray(y.reshape(P, m, 3, L))
 
     def by_sensor_mass(self) -> ComplexArray:
         """Derivative by the mass of every accelerometer."""

@@ -179,7 +179,7 @@ def angle_slopes(
     weights = _weights(assemblies)[:, None, None]
     off = _beside(assemblies, hits)
     turned_off = skew(
-        (_along(geometry.point_rotation, hits) @ _hit_places(assemblies)[:, None, None, :, None])[
+        (_along(geometry.point_rotation, hits) @ _hit_places(assemblies, hits)[:, None, ..., None])[
             ..., 0
         ]
     )
@@ -301,15 +301,16 @@ def _places(assemblies: Sequence[Assembly], m: int) -> Array:
     return np.array([none if own.place_m is None else own.place_m for own in assemblies])
 
 
-def _hit_places(assemblies: Sequence[Assembly]) -> Array:
-    """(P, 3) by which hits fall off their point, along the axes a sensor there has."""
-    return np.array([own.hit_place_m for own in assemblies])
+def _hit_places(assemblies: Sequence[Assembly], hits: Indices) -> Array:
+    """(P, n_hits, 3) by which hits fall off their points, along the axes a sensor there has."""
+    none = np.zeros((hits.shape[1], 3))
+    return np.array([none if own.hit_place_m is None else own.hit_place_m for own in assemblies])
 
 
 def _beside(assemblies: Sequence[Assembly], hits: Indices) -> Array:
     """(P, n_hits, 3, 3) cross products of that, base axes."""
     R = _at(np.array([own.geometry.point_rotation for own in assemblies]), hits)
-    return skew((R @ _hit_places(assemblies)[:, None, :, None])[..., 0])
+    return skew((R @ _hit_places(assemblies, hits)[..., None])[..., 0])
 
 
 def _moved_beside(motion: Array, off: Array) -> Array:

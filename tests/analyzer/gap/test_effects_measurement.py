@@ -87,7 +87,7 @@ def test_where_the_hammer_roves_the_hits_of_one_posture_may_be_turned(posed, ord
         predicted(posed, ordinary, other, (here,), **dict(zip(here.sizes, by, strict=True))),
         predicted(posed, ordinary, other),
     )
-    alone = replace(ordinary, hit_points=("b1",))
+    alone = replace(ordinary, one_is_hit=True)
     assert [bool(own.relaxes) for own in hit_direction.instances(alone)] == [False, True, True]
 
 

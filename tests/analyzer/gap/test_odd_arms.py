@@ -52,7 +52,9 @@ def ordinary_of(turned_deg, *, a=0.3, d=0.2, center=(0.1, 0.01, 0.02), gravity=N
     for i in range(1, len(turned_deg) + 1):
         text += "".join(POINT.format(i=i, k=k, x=0.05 + 0.1 * k) for k in range(3))
     arm = arm_from_texts(text, urdf_text=None, database_text=None)
-    return Ordinary(superset=Superset(arm), postures=("p", "q"), hit_points=(arm.points[0].id,))
+    return Ordinary(
+        superset=Superset(arm), postures=("p", "q"), hit_points=(arm.points[0].id,), one_is_hit=True
+    )
 
 
 def lines_of(ordinary, name, joints_rad):

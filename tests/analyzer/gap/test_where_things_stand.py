@@ -40,10 +40,25 @@ def lines(superset):
     )
 
 
+KINDS = ("bearing place", "bearing radial", "bearing axial", "hit place", "place")
+
+
+def roving(lines):
+    """The same points with sensor and hammer exchanged; the hits along one direction."""
+    n = len(lines.sensor_point)
+    return replace(
+        lines,
+        sensor_point=np.full(n, STRUCK),
+        hit=np.arange(n),
+        hit_point=lines.sensor_point,
+        hit_direction=np.repeat(lines.hit_direction, n, axis=0),
+    )
+
+
 @pytest.fixture(scope="module")
 def ordinary(superset):
-    struck = superset.arm.points[STRUCK].id
-    return Ordinary(superset=superset, postures=("p",), hit_points=(struck,))
+    points = tuple(point.id for point in superset.arm.points)
+    return Ordinary(superset=superset, postures=("p",), hit_points=points)
 
 
 def predicted(superset, ordinary, lines, instances=(), **values):
@@ -87,14 +102,39 @@ def test_hits_beside_their_point_are_those_of_an_arm_whose_point_is_there(
     )
 
 
-def test_what_they_change_a_unit_is_known(superset, lines, ordinary):
+def test_so_are_hits_of_a_hammer_that_goes_round(superset, lines, ordinary):
+    arm, lines = superset.arm, roving(lines)
+    shifts_m = 0.004 * np.random.default_rng(5).standard_normal((len(arm.points), 3))
+    points = [
+        replace(point, position_m=point.position_m + point.R_link_sensor @ shift_m)
+        for point, shift_m in zip(arm.points, shifts_m, strict=True)
+    ]
+    stays = arm.points[STRUCK]
+    points[STRUCK] = stays  # where the sensor is
+    moved = Superset(replace(arm, points=tuple(points)))
+    values = {
+        name: value
+        for point, shift_m in zip(arm.points, shifts_m, strict=True)
+        if point is not stays
+        for name, value in zip(ordinary.hit_place_names(point.id), shift_m, strict=True)
+    }
+    np.testing.assert_allclose(
+        predicted(superset, ordinary, lines, **values),
+        predicted(moved, replace(ordinary, superset=moved), lines),
+        rtol=1e-9,
+    )
+
+
+@pytest.mark.parametrize("goes_round", ["sensor", "hammer"])
+def test_what_they_change_a_unit_is_known(superset, lines, ordinary, goes_round):
+    lines = lines if goes_round == "sensor" else roving(lines)
     hypothesis = Hypothesis(ordinary=ordinary)
     space, posed = hypothesis.space(), PosedModel(superset, JOINTS)
     u = np.clip(space.start() + 0.3, space.low, space.high)
     _, dy = posed.derivatives(hypothesis, lines, space, space.values(u))
-    step = 1e-3
+    step, acts = 1e-3, 0
     for name, i in space.index.items():
-        if not name.startswith(("bearing place", "bearing radial", "bearing axial", "hit place")):
+        if not name.startswith(KINDS):
             continue
         more, less = (
             posed.values(hypothesis, lines, space.values(u + sign * step * np.eye(len(u))[i]))
@@ -103,6 +143,10 @@ def test_what_they_change_a_unit_is_known(superset, lines, ordinary):
         want = (more - less) / (2.0 * step)
         # Single precision of the derivatives, seven digits, over products of some hundred terms.
         np.testing.assert_allclose(dy[i], want, atol=1e-3 * np.abs(want).max(), err_msg=name)
+        acts += bool(np.any(want))
+    # Two ways across of each hit's place, at least; and three of each sensor's.
+    n = len(superset.arm.points)
+    assert acts >= (3 * n + 2 if goes_round == "sensor" else 3 + 2 * n)
 
 
 def test_a_point_of_the_base_may_move_half_as_much_more_than_the_base(superset, lines):
