@@ -98,7 +98,10 @@ def _chain(superset: Superset, assembly: Assembly, correction: Correction) -> Ch
         name = name_of[at]
         for link, twist, size in _parts(superset, assembly.columns[at], name):
             inside = assembly.inside.get(at)
-            before = inside.before if inside is not None and inside.link == link else 0
+            before = 0
+            if inside is not None and inside.link == link:
+                shares = assembly.pieces[link][0] if link in assembly.pieces else np.ones(1)
+                before = inside.stay(shares)
             element = _element(name, link, twist)
             by_link.setdefault(link, []).append((before, element, (at, size)))
     elements: list[Element] = []

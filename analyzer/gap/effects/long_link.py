@@ -16,6 +16,7 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
 from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.priors import MASS_SPREAD
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.analyzer.gap.model.spread import apart
 
@@ -23,7 +24,7 @@ __all__ = ["given_way"]
 
 Array = npt.NDArray[np.float64]
 
-_SPREAD, _SPREAD_STD = 0.6, 0.3  # of its length that a link's mass is spread over
+_SPREAD_STD = 0.3
 # Where along it a link gives way: ln of its softness at the tip over that at the root, and at the
 # middle over that of the ends.
 _TAPER_STD, _MIDDLE_STD = 1.9, 1.9
@@ -61,9 +62,10 @@ def given_way(
     body = ordinary.arm.joints[line.link].link
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        # A link that both bends and twists is in the same pieces.
         offsets = apart(body, line.along, masses, values[spread] * middles)
-        assembly.pieces.setdefault(line.link, (masses, offsets))
+        if len(assembly.pieces.get(line.link, ((),))[0]) < masses.size:
+            # Finer than the halves of any link; one that both bends and twists is in the same.
+            assembly.pieces[line.link] = masses, offsets
         for hinge in hinges(values):
             at = assembly.add_compliance(
                 hinge.motion,
@@ -135,7 +137,7 @@ def given_way(
             size,
             loss_parameter(loss),
             loss_factor_parameter(factor),
-            Parameter(name=spread, unit="", mean=_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
+            Parameter(name=spread, unit="", mean=MASS_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
             Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD, untold=0.0),
             Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD, untold=0.0),
             *yielding.parameters,

@@ -36,6 +36,8 @@ Array = npt.NDArray[np.float64]
 
 BASE = -1  # where a link is asked for
 
+_ROUNDING = 1e-9  # of shares
+
 
 def relaxing_name(joint: str) -> str:
     """Return the name of the loss of a drive's part that relaxes, where it is most."""
@@ -68,10 +70,20 @@ class Inside:
     """How a coordinate inside a link moves what is on that link; what is beyond moves whole."""
 
     link: int
-    before: int  # pieces that stay
+    before: int | None  # pieces that stay; None: those of the first half of its mass
     points: npt.NDArray[np.int64]  # (k,) that do not move whole
     part: Array  # (k,) of it that each turns by
     shift_m: Array  # (k, 3) to where each turns about, as the hinge is from there; sensor axes
+    # A parameter that changes both, and by what a unit.
+    by: str = ""
+    part_slope: Array = field(default_factory=lambda: np.zeros(0))  # (k,)
+    shift_slope_m: Array = field(default_factory=lambda: np.zeros((0, 3)))  # (k, 3)
+
+    def stay(self, shares: Array) -> int:
+        """Return how many of a link's pieces, with these shares of its mass, stay."""
+        if self.before is not None:
+            return self.before
+        return int(np.count_nonzero(np.cumsum(shares) < 0.5 + _ROUNDING))
 
 
 @dataclass
@@ -295,17 +307,17 @@ class Assembly:
         return len(self.columns) - 1
 
     def motion_of_pieces(
-        self, link: int, motion: Array, n_pieces: int, coordinates: Sequence[int]
+        self, link: int, motion: Array, shares: Array, coordinates: Sequence[int]
     ) -> Array:
-        """Return (..., P, 6, k): a piece stays where a hinge beyond it turns.
+        """Return (..., P, 6, k) of pieces: one stays where a hinge beyond it turns.
 
-        `motion` (..., 6, k) of the link, each column by one of the coordinates.
+        `motion` (..., 6, k) of the link, each column by one of the coordinates; `shares` (P,).
         """
-        found = np.repeat(motion[..., None, :, :], n_pieces, axis=-3)
+        found = np.repeat(motion[..., None, :, :], len(shares), axis=-3)
         for column, coordinate in enumerate(coordinates):
             here = self.inside.get(coordinate)
             if here is not None and here.link == link:
-                found[..., : here.before, :, column] = 0.0
+                found[..., : here.stay(shares), :, column] = 0.0
         return found
 
     @property

@@ -8,7 +8,7 @@ whose next joint stands at its own comes from the other side.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from armodal.protocols.arm.records import InertialLink
 __all__ = ["SLICES", "LongLink", "long_links", "span_m"]
 
 Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
 
 _LEAST_M = 0.2  # shorter links are stiff
 # Least over next moment of inertia of a rod 1.5 times as long as it is wide; and its line goes to
@@ -43,7 +44,36 @@ class LongLink:
         """Return where along the line, from its root, the hinges stand."""
         return tuple((i + 0.5) / SLICES * self.length_m for i in range(SLICES))
 
-    def inside(self, superset: Superset, start_m: float, end_m: float, before: int) -> Inside:
+    def about(self, superset: Superset, place: float, by: str) -> Inside:
+        """How a hinge for the stretch about a place moves the link's points and half its mass.
+
+        Parameters
+        ----------
+        place
+            Part of the length. The stretch is as long as it can be with its middle there.
+        by
+            The parameter whose value that is.
+        """
+        length = self.length_m
+        start, end = max(2.0 * place - 1.0, 0.0) * length, min(2.0 * place, 1.0) * length
+        found = self.inside(superset, start, end, None)
+        # The end moves where the start stands, and the other way round.
+        by_start, by_end = (2.0 * length, 0.0) if place > 0.5 else (0.0, 2.0 * length)
+        stretch = end - start
+        at = start + found.part * stretch
+        slope = -(by_start * (end - at) + by_end * (at - start)) / stretch**2
+        turns = found.part > 0.0
+        back = self._back(superset, found.points)
+        return replace(
+            found,
+            by=by,
+            part_slope=np.where(turns, slope, 0.0),
+            shift_slope_m=np.where(turns, 0.5 * by_end, 0.0)[:, None] * back,
+        )
+
+    def inside(
+        self, superset: Superset, start_m: float, end_m: float, before: int | None
+    ) -> Inside:
         """How a hinge that stands for an evenly soft stretch moves the link's points.
 
         One at t from the stretch's start turns by that part of the hinge's yield, about the middle
@@ -53,16 +83,21 @@ class LongLink:
         points = [i for i, own in enumerate(superset.point_link) if own == self.link]
         placed = [superset.arm.points[i] for i in points]
         along = np.clip([(p.position_m - self.start_m) @ self.along for p in placed], *ends)
-        off = 0.5 * (end_m - along)
-        back = np.array([point.R_link_sensor.T @ self.along for point in placed])
         partly = along < end_m
+        here = np.array(points, dtype=np.int64)[partly]
+        off = 0.5 * (end_m - along[partly])
         return Inside(
             link=self.link,
             before=before,
-            points=np.array(points, dtype=np.int64)[partly],
+            points=here,
             part=(along[partly] - start_m) / (end_m - start_m),
-            shift_m=(off[:, None] * back)[partly],
+            shift_m=off[:, None] * self._back(superset, here),
         )
+
+    def _back(self, superset: Superset, points: Indices) -> Array:
+        """(k, 3) the line's direction along sensors' axes at points."""
+        axes = [superset.arm.points[i].R_link_sensor for i in points]
+        return np.array([R.T @ self.along for R in axes]).reshape(-1, 3)
 
 
 def long_links(superset: Superset) -> tuple[LongLink, ...]:

@@ -28,6 +28,10 @@ __all__ = [
     "BEARING_STD",
     "BEND_LIMIT",
     "BEND_MEAN",
+    "BEND_PLACE",
+    "BEND_PLACE_LEAST",
+    "BEND_PLACE_MOST",
+    "BEND_PLACE_STD",
     "BEND_STD",
     "DELAY_STD_S",
     "FLOOR_LIMIT",
@@ -41,6 +45,7 @@ __all__ = [
     "LEAN_STD",
     "LOSS_POWER_MEAN",
     "LOSS_POWER_STD",
+    "MASS_SPREAD",
     "PLACE_STD_M",
     "RELAXING_MOST_LN_RATE",
     "RELAXING_STD_LN_RATE",
@@ -88,6 +93,15 @@ FLOOR_MEAN, FLOOR_STD, FLOOR_LIMIT = 0.001, 0.003, 0.01
 # A casting over its whole length, about each direction, as parts of its own drive's compliance;
 # more is an effect. No source: a link is meant to be as much stiffer than its drive.
 BEND_MEAN, BEND_STD, BEND_LIMIT = 0.001, 0.003, 0.012
+
+# About which part of its length a casting gives way: any, a draw even between its first and its
+# last slice (`long_links.SLICES`), beyond which it is the bearing there.
+BEND_PLACE, BEND_PLACE_LEAST, BEND_PLACE_MOST = 0.5, 0.1, 0.9
+BEND_PLACE_STD = (BEND_PLACE_MOST - BEND_PLACE_LEAST) / math.sqrt(12.0)
+
+# Part of its length, about its centre, that a link's mass is spread over. No source: assumed,
+# between the frames at its ends.
+MASS_SPREAD = 0.6
 
 # By what one direction about which a link bends leans towards the other: with yields that differ by
 # e^0.7, as of a thin box 0.63 as wide as high, half of that turns it by half a right angle.

@@ -7,13 +7,13 @@ far below its drive's, up to a limit beyond which it is an effect.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.model.assembly import Assembly, Inside
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.geometry import across
 from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
 from armodal.analyzer.gap.model.long_links import LongLink, long_links
@@ -25,11 +25,16 @@ from armodal.analyzer.gap.model.priors import (
     BEARING_STD,
     BEND_LIMIT,
     BEND_MEAN,
+    BEND_PLACE,
+    BEND_PLACE_LEAST,
+    BEND_PLACE_MOST,
+    BEND_PLACE_STD,
     BEND_STD,
     FLOOR_LIMIT,
     FLOOR_MEAN,
     FLOOR_STD,
     LEAN_STD,
+    MASS_SPREAD,
     NEAR_M,
     SHIFT_STDS,
     TURN_MOST,
@@ -37,6 +42,7 @@ from armodal.analyzer.gap.model.priors import (
 )
 from armodal.analyzer.gap.model.scales import compliance, doubt, foot_m, reach_m, scale
 from armodal.analyzer.gap.model.space import Parameter
+from armodal.analyzer.gap.model.spread import apart
 from armodal.protocols.arrays import frozen_array
 
 __all__ = ["BASE_TURN", "BASE_WAYS", "add_soft_parts", "base_lever_m", "soft_part_parameters"]
@@ -49,6 +55,7 @@ BASE_TURN = Parameter(
     name="base turn", unit="rad", mean=0.0, std=TURN_STD, low=-TURN_MOST, high=TURN_MOST
 )
 _BEND_WAYS = ("a", "b", "along")
+_Bend = tuple[LongLink, Array, Array]  # motions (2, 3, N), offsets (2, 3)
 
 
 def base_lever_m(superset: Superset) -> float:
@@ -62,6 +69,14 @@ def soft_part_parameters(superset: Superset) -> Iterator[Parameter]:
     for joint in range(len(superset.arm.joints)):
         yield from _of_bearing(superset, joint)
     for line, _, _ in _bends(superset):
+        yield Parameter(
+            name=f"bend place {line.name}",
+            unit="",
+            mean=BEND_PLACE,
+            std=BEND_PLACE_STD,
+            low=BEND_PLACE_LEAST,
+            high=BEND_PLACE_MOST,
+        )
         unit = scale(superset, line.link)
         for way in _BEND_WAYS:
             yield _small(f"bend {way} {line.name}", unit, BEND_MEAN, BEND_STD, BEND_LIMIT)
@@ -71,13 +86,7 @@ def soft_part_parameters(superset: Superset) -> Iterator[Parameter]:
 
 def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, float]) -> None:
     """Add the coordinates that give way, at these values of the parameters."""
-
-    def add(name: str, column: Array, losses: tuple[str, str]) -> int:
-        loss, factor = losses
-        at = assembly.add_compliance(column, values[name], values[loss], name, loss)
-        assembly.add_loss_factor([at], values[factor], factor)
-        return at
-
+    add = partial(_add, assembly, values)
     for number, joint in enumerate(superset.arm.joints):
         losses = _loss_names("bearing loss", joint.name)
         for name, column in _bearing(superset, number):
@@ -86,15 +95,8 @@ def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, 
         for side, (tilt, moved) in zip("ab", _tilts(superset)[number], strict=True):
             at = add(f"bearing {side} {joint.name}", tilt + values[place] * moved, losses)
             assembly.motion_of.setdefault(place, []).append((at, moved))
-    for line, columns, inside in _bends(superset):
-        losses = _loss_names("bend loss", line.name)
-        lean = f"bend lean {line.name}"
-        leaning = {"b": values[lean] * columns[0]}  # as `effects.yielding_line` has it
-        for way, column in zip(_BEND_WAYS, columns, strict=True):
-            at = add(f"bend {way} {line.name}", column + leaning.get(way, 0.0), losses)
-            assembly.inside[at] = inside
-            if way in leaning:
-                assembly.motion_of[lean] = [(at, columns[0])]
+    for bend in _bends(superset):
+        _add_bend(assembly, superset, values, bend)
     c, s = np.cos(values[BASE_TURN.name]), np.sin(values[BASE_TURN.name])
     units = {way: assembly.unit(i) for i, way in enumerate(BASE_WAYS)}
     for axis, way in zip(np.eye(3), BASE_WAYS[3:], strict=True):  # about the arm's foot
@@ -109,6 +111,42 @@ def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, 
         (at_of["rock x"], turned["rock y"]),
         (at_of["rock y"], -turned["rock x"]),
     ]
+
+
+def _add(
+    assembly: Assembly,
+    values: Mapping[str, float],
+    name: str,
+    column: Array,
+    losses: tuple[str, str],
+) -> int:
+    """Add what gives way by a parameter along a motion; its coordinate."""
+    loss, factor = losses
+    at = assembly.add_compliance(column, values[name], values[loss], name, loss)
+    assembly.add_loss_factor([at], values[factor], factor)
+    return at
+
+
+def _add_bend(
+    assembly: Assembly, superset: Superset, values: Mapping[str, float], bend: _Bend
+) -> None:
+    """Add a long link's hinge where it gives way, which moves what lies beyond."""
+    line, (turns, moved), offsets = bend
+    by = f"bend place {line.name}"
+    columns = turns + (values[by] - BEND_PLACE) * moved
+    inside = line.about(superset, values[by], by)
+    losses = _loss_names("bend loss", line.name)
+    lean = f"bend lean {line.name}"
+    names = [f"bend {way} {line.name}" for way in _BEND_WAYS]
+    if any(values[name] for name in names):  # one that is locked is whole
+        assembly.pieces[line.link] = np.array([0.5, 0.5]), offsets
+    for way, name, column, change in zip(_BEND_WAYS, names, columns, moved, strict=True):
+        leans = values[lean] if way == "b" else 0.0  # as `effects.yielding_line` has it
+        at = _add(assembly, values, name, column + leans * columns[0], losses)
+        assembly.inside[at] = inside
+        assembly.motion_of.setdefault(by, []).append((at, change + leans * moved[0]))
+        if way == "b":
+            assembly.motion_of[lean] = [(at, columns[0])]
 
 
 def _of_base(superset: Superset) -> Iterator[Parameter]:
@@ -210,19 +248,21 @@ def _shifts(superset: Superset, number: int) -> tuple[Array, Array]:
 
 
 @lru_cache(maxsize=16)
-def _bends(superset: Superset) -> tuple[tuple[LongLink, Array, Inside], ...]:
-    """Long links, (3, N) motion by each one's hinge at half its length, and what it moves.
+def _bends(superset: Superset) -> tuple[_Bend, ...]:
+    """Long links, motion by each one's hinge at half its length and its change, offsets of halves.
 
     With what gives way at both of its ends that is Simpson's rule over the link's length.
     """
     found = []
     for line in long_links(superset):
-        middle = line.start_m + 0.5 * line.length_m * line.along
+        middle = line.start_m + BEND_PLACE * line.length_m * line.along
         turns = np.array([*across(line.along).T, line.along])
-        columns = np.zeros((3, superset.n))
-        columns[:, superset.interface_columns(line.link)] = np.hstack(
-            [np.cross(middle, turns), turns]
-        )
-        inside = line.inside(superset, 0.0, line.length_m, 0)
-        found.append((line, frozen_array(columns, np.float64), inside))
+        columns = np.zeros((2, 3, superset.n))
+        own = columns[..., superset.interface_columns(line.link)]  # a view
+        own[0] = np.hstack([np.cross(middle, turns), turns])
+        own[1, :, :3] = np.cross(line.length_m * line.along, turns)
+        halves = 0.25 * MASS_SPREAD * line.length_m * np.array([-1.0, 1.0])
+        body = superset.arm.joints[line.link].link
+        offsets = apart(body, line.along, np.array([0.5, 0.5]), halves)
+        found.append((line, frozen_array(columns, np.float64), offsets))
     return tuple(found)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import numpy.typing as npt
 
-from armodal.analyzer.gap.model.assembly import Assembly, Inside
+from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.geometry import GeometrySlopes, skew
 from armodal.analyzer.gap.model.system import Pieces, System
 
@@ -82,7 +82,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         link: Pieces(
             shares=shares,
             offsets_m=offsets,
-            motion=first.motion_of_pieces(link, link_motion[:, link], len(shares), range(n)),
+            motion=first.motion_of_pieces(link, link_motion[:, link], shares, range(n)),
         )
         for link, (shares, offsets) in first.pieces.items()
     }
@@ -214,13 +214,14 @@ def motion_slopes(
     pull = _pull(inertia[:, whole], system.link_motion[:, whole])
     mass = _together(by_link[:, whole], pull)
     for link, piece in system.pieces.items():
-        turned = first.motion_of_pieces(link, by_link[:, link], len(piece.shares), at)
+        turned = first.motion_of_pieces(link, by_link[:, link], piece.shares, at)
         mass += _together(turned, _pull(_split(piece, inertia[:, link]), piece.motion))
     base_inertia = np.array([own.base_inertia for own in assemblies])
     mass += dT[:, :6].swapaxes(1, 2) @ base_inertia @ T[:, :6]
     gravity = _gravity(assemblies)
     where, hits = _mountings(assemblies)
-    motion = _point_motion(assemblies, dT, at)
+    by = [name for name in names for _ in first.motion_of[name]]
+    motion = _point_motion(assemblies, dT, at, by)
     J = _at(motion, where)
     R = _turned_back(assemblies, where)
     return MotionSlopes(
@@ -323,20 +324,32 @@ def _weights(assemblies: Sequence[Assembly]) -> Array:
     return -skew(np.array([own.geometry.gravity_m_s2 for own in assemblies]))
 
 
-def _point_motion(assemblies: Sequence[Assembly], T: Array, coordinates: Sequence[int]) -> Array:
+def _point_motion(
+    assemblies: Sequence[Assembly],
+    T: Array,
+    coordinates: Sequence[int],
+    by: Sequence[str] = (),
+) -> Array:
     """(P, n_points, 6, k) motion of points by columns (P, N, k), each of one of the coordinates.
 
-    Points that stand elsewhere are shifted.
+    Points that stand elsewhere are shifted. If columns are changes of the coordinates' own, `by`
+    names the parameter of each.
     """
     P, N, k = T.shape
-    points = np.array([own.geometry.point_jacobian for own in assemblies])
-    motion = (points.reshape(P, -1, N) @ T).reshape(P, -1, 6, k)
+    points = np.array([own.geometry.point_jacobian for own in assemblies]).reshape(P, -1, N)
+    motion = (points @ T).reshape(P, -1, 6, k)
     for column, coordinate in enumerate(coordinates):
         if (inside := assemblies[0].inside.get(coordinate)) is not None:
-            by_it = motion[..., column]
-            turns = by_it[:, inside.points]
-            turns[..., :3] -= _times(_arms(assemblies, inside), turns[..., 3:])
-            by_it[:, inside.points] = inside.part[:, None] * turns
+            by_it, here = motion[..., column], inside.points
+            arms = _arms(assemblies, here, inside.shift_m)
+            by_it[:, here] = inside.part[:, None] * _turned_about(arms, by_it[:, here])
+            if by and inside.by == by[column]:
+                unit = np.array([of.columns[coordinate] for of in assemblies])[..., None]
+                whole = (points @ unit).reshape(P, -1, 6)[:, here]
+                by_it[:, here] += inside.part_slope[:, None] * _turned_about(arms, whole)
+                further = _arms(assemblies, here, inside.shift_slope_m)
+                turns = inside.part[:, None] * whole[..., 3:]
+                by_it[..., :3][:, here] -= _times(further, turns)
     for own, moved in zip(assemblies, motion, strict=True):
         for point, shift in own.shifts_m.items():
             arm = skew(own.geometry.point_rotation[point] @ shift)
@@ -349,10 +362,16 @@ def _times(M: Array, v: Array) -> Array:
     return np.asarray(np.matmul(M, v[..., None])[..., 0])
 
 
-def _arms(assemblies: Sequence[Assembly], inside: Inside) -> Array:
-    """(P, k, 3, 3) cross products of hinges from what each point turns about, base axes."""
-    R = np.array([own.geometry.point_rotation[inside.points] for own in assemblies])
-    return skew((R @ inside.shift_m[..., None])[..., 0])
+def _arms(assemblies: Sequence[Assembly], points: Indices, shift_m: Array) -> Array:
+    """(P, k, 3, 3) cross products of shifts (k, 3) at points, along sensors' axes there."""
+    R = np.array([own.geometry.point_rotation[points] for own in assemblies])
+    return skew((R @ shift_m[..., None])[..., 0])
+
+
+def _turned_about(arms: Array, motion: Array) -> Array:
+    """Motion (P, k, 6) of points that turn about what is elsewhere by arms (P, k, 3, 3)."""
+    linear = motion[..., :3] - _times(arms, motion[..., 3:])
+    return np.concatenate([linear, motion[..., 3:]], axis=-1)
 
 
 def _point_slopes(
@@ -365,7 +384,8 @@ def _point_slopes(
     for at, inside in assemblies[0].inside.items():
         by_it = found[..., at]
         turns = by_it[:, :, inside.points]
-        turns[..., :3] -= _times(_arms(assemblies, inside)[:, None], turns[..., 3:])
+        arms = _arms(assemblies, inside.points, inside.shift_m)[:, None]
+        turns[..., :3] -= _times(arms, turns[..., 3:])
         turns *= inside.part[:, None]
         shift = geometry.point_rotation[:, :, inside.points] @ inside.shift_m[..., None]
         turns[..., :3] -= _times(skew(shift[..., 0]), motion[..., 3:, at][:, None, inside.points])

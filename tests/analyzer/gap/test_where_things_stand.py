@@ -40,7 +40,7 @@ def lines(superset):
     )
 
 
-KINDS = ("bearing place", "bearing radial", "bearing axial", "hit place", "place")
+KINDS = ("bend", "bearing place", "bearing radial", "bearing axial", "hit place", "place")
 
 
 def roving(lines):
@@ -125,12 +125,14 @@ def test_so_are_hits_of_a_hammer_that_goes_round(superset, lines, ordinary):
     )
 
 
-@pytest.mark.parametrize("goes_round", ["sensor", "hammer"])
-def test_what_they_change_a_unit_is_known(superset, lines, ordinary, goes_round):
+@pytest.mark.parametrize(
+    ("goes_round", "aside"), [("sensor", 0.3), ("hammer", 0.3), ("sensor", -0.3)]
+)
+def test_what_they_change_a_unit_is_known(superset, lines, ordinary, goes_round, aside):
     lines = lines if goes_round == "sensor" else roving(lines)
     hypothesis = Hypothesis(ordinary=ordinary)
     space, posed = hypothesis.space(), PosedModel(superset, JOINTS)
-    u = np.clip(space.start() + 0.3, space.low, space.high)
+    u = np.clip(space.start() + aside, space.low, space.high)
     _, dy = posed.derivatives(hypothesis, lines, space, space.values(u))
     step, acts = 1e-3, 0
     for name, i in space.index.items():
