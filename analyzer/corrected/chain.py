@@ -99,9 +99,8 @@ def _chain(superset: Superset, assembly: Assembly, correction: Correction) -> Ch
         for link, twist, size in _parts(superset, assembly.columns[at], name):
             inside = assembly.inside.get(at)
             before = 0
-            if inside is not None and inside.link == link:
-                shares = assembly.pieces[link][0] if link in assembly.pieces else np.ones(1)
-                before = inside.stay(shares)
+            if inside is not None and inside.link == link and link in assembly.pieces:
+                before = inside.stay(assembly.pieces[link][0])
             element = _element(name, link, twist)
             by_link.setdefault(link, []).append((before, element, (at, size)))
     elements: list[Element] = []

@@ -18,7 +18,6 @@ from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.priors import MASS_SPREAD
 from armodal.analyzer.gap.model.space import Parameter
-from armodal.analyzer.gap.model.spread import apart
 
 __all__ = ["given_way"]
 
@@ -55,17 +54,11 @@ def given_way(
     )
     yielding = YieldingLine(line=line, bends=bends, word=word)
     hinges = hinges_along(ordinary.superset, yielding, taper, middle)
-    edges = np.array([0.0, *line.places_m, line.length_m])
-    masses = np.diff(edges) / line.length_m
-    middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * line.length_m
-
     body = ordinary.arm.joints[line.link].link
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        offsets = apart(body, line.along, masses, values[spread] * middles)
-        if len(assembly.pieces.get(line.link, ((),))[0]) < masses.size:
-            # Finer than the halves of any link; one that both bends and twists is in the same.
-            assembly.pieces[line.link] = masses, offsets
+        # A link that both bends and twists is in the same pieces.
+        assembly.pieces.setdefault(line.link, line.pieces(body, values[spread]))
         for hinge in hinges(values):
             at = assembly.add_compliance(
                 hinge.motion,

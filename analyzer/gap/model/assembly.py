@@ -120,8 +120,10 @@ class Assembly:
     stretches_of: dict[str, list[tuple[str, Array, float]]] = field(default_factory=dict)
     # By parameter: of stretches kind and row, and what the value times the row changes a unit.
     turns_of: dict[str, list[tuple[str, Array, Array]]] = field(default_factory=dict)
-    # Links in pieces, shares (P,) and offsets of centres (P, 3); and coordinates inside links.
+    # Links in pieces, shares (P,) and offsets of centres (P, 3), by effects and where none does
+    # it; and coordinates inside links.
     pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
+    ordinary_pieces: dict[int, tuple[Array, Array]] = field(default_factory=dict)
     inside: dict[int, Inside] = field(default_factory=dict)
     # What a joint's stiffness and damping are multiplied by beside their parameters, and what a
     # parameter adds to the logarithms of both.
@@ -319,6 +321,11 @@ class Assembly:
             if here is not None and here.link == link:
                 found[..., : here.stay(shares), :, column] = 0.0
         return found
+
+    @property
+    def all_pieces(self) -> dict[int, tuple[Array, Array]]:
+        """Return every link that is in pieces."""
+        return self.ordinary_pieces | self.pieces
 
     @property
     def where(self) -> npt.NDArray[np.int64]:

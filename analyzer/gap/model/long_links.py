@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Inside
+from armodal.analyzer.gap.model.spread import apart
 from armodal.protocols.arm.records import InertialLink
 
 __all__ = ["SLICES", "LongLink", "long_links", "span_m"]
@@ -43,6 +44,16 @@ class LongLink:
     def places_m(self) -> tuple[float, ...]:
         """Return where along the line, from its root, the hinges stand."""
         return tuple((i + 0.5) / SLICES * self.length_m for i in range(SLICES))
+
+    def pieces(self, link: InertialLink, spread: float) -> tuple[Array, Array]:
+        """Shares (P,) of its mass in pieces between the hinges, and offsets (P, 3) of centres.
+
+        Spread evenly over that part of its length about its centre, as far as its inertia allows.
+        """
+        edges = np.array([0.0, *self.places_m, self.length_m])
+        shares = np.diff(edges) / self.length_m
+        middles = 0.5 * (edges[1:] + edges[:-1]) - 0.5 * self.length_m
+        return shares, apart(link, self.along, shares, spread * middles)
 
     def about(self, superset: Superset, place: float, by: str) -> Inside:
         """How a hinge for the stretch about a place moves the link's points and half its mass.

@@ -42,7 +42,6 @@ from armodal.analyzer.gap.model.priors import (
 )
 from armodal.analyzer.gap.model.scales import compliance, doubt, foot_m, reach_m, scale
 from armodal.analyzer.gap.model.space import Parameter
-from armodal.analyzer.gap.model.spread import apart
 from armodal.protocols.arrays import frozen_array
 
 __all__ = ["BASE_TURN", "BASE_WAYS", "add_soft_parts", "base_lever_m", "soft_part_parameters"]
@@ -55,7 +54,7 @@ BASE_TURN = Parameter(
     name="base turn", unit="rad", mean=0.0, std=TURN_STD, low=-TURN_MOST, high=TURN_MOST
 )
 _BEND_WAYS = ("a", "b", "along")
-_Bend = tuple[LongLink, Array, Array]  # motions (2, 3, N), offsets (2, 3)
+_Bend = tuple[LongLink, Array, tuple[Array, Array]]  # motions (2, 3, N), pieces
 
 
 def base_lever_m(superset: Superset) -> float:
@@ -131,7 +130,7 @@ def _add_bend(
     assembly: Assembly, superset: Superset, values: Mapping[str, float], bend: _Bend
 ) -> None:
     """Add a long link's hinge where it gives way, which moves what lies beyond."""
-    line, (turns, moved), offsets = bend
+    line, (turns, moved), pieces = bend
     by = f"bend place {line.name}"
     columns = turns + (values[by] - BEND_PLACE) * moved
     inside = line.about(superset, values[by], by)
@@ -139,7 +138,7 @@ def _add_bend(
     lean = f"bend lean {line.name}"
     names = [f"bend {way} {line.name}" for way in _BEND_WAYS]
     if any(values[name] for name in names):  # one that is locked is whole
-        assembly.pieces[line.link] = np.array([0.5, 0.5]), offsets
+        assembly.ordinary_pieces[line.link] = pieces
     for way, name, column, change in zip(_BEND_WAYS, names, columns, moved, strict=True):
         leans = values[lean] if way == "b" else 0.0  # as `effects.yielding_line` has it
         at = _add(assembly, values, name, column + leans * columns[0], losses)
@@ -249,7 +248,7 @@ def _shifts(superset: Superset, number: int) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=16)
 def _bends(superset: Superset) -> tuple[_Bend, ...]:
-    """Long links, motion by each one's hinge at half its length and its change, offsets of halves.
+    """Long links, motion by each one's hinge at half its length and its change, their pieces.
 
     With what gives way at both of its ends that is Simpson's rule over the link's length.
     """
@@ -261,8 +260,6 @@ def _bends(superset: Superset) -> tuple[_Bend, ...]:
         own = columns[..., superset.interface_columns(line.link)]  # a view
         own[0] = np.hstack([np.cross(middle, turns), turns])
         own[1, :, :3] = np.cross(line.length_m * line.along, turns)
-        halves = 0.25 * MASS_SPREAD * line.length_m * np.array([-1.0, 1.0])
-        body = superset.arm.joints[line.link].link
-        offsets = apart(body, line.along, np.array([0.5, 0.5]), halves)
-        found.append((line, frozen_array(columns, np.float64), offsets))
+        pieces = line.pieces(superset.arm.joints[line.link].link, MASS_SPREAD)
+        found.append((line, frozen_array(columns, np.float64), pieces))
     return tuple(found)

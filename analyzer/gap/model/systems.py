@@ -84,7 +84,7 @@ def systems(assemblies: Sequence[Assembly]) -> System:
             offsets_m=offsets,
             motion=first.motion_of_pieces(link, link_motion[:, link], shares, range(n)),
         )
-        for link, (shares, offsets) in first.pieces.items()
+        for link, (shares, offsets) in first.all_pieces.items()
     }
     whole = [link for link in range(inertia.shape[1]) if link not in pieces]
     mass = _together(link_motion[:, whole], _pull(inertia[:, whole], link_motion[:, whole]))

@@ -259,17 +259,25 @@ def test_before_a_hinge_neither_mass_nor_points_move(ordinary, lines, posed):
     np.testing.assert_allclose(pieces.split(INERTIA).sum(axis=0), INERTIA, atol=1e-12)
 
 
-def test_what_is_not_there_changes_nothing(ordinary, lines, posed):
-    """All other effects beside a bending link, their sizes at zero."""
-    bending = instance_of(ordinary, "link_bending", "lower_arm")
-    alone = Hypothesis(ordinary=ordinary, instances=(bending,))
-    values = start_of(alone) | {bending.size: 1e-5, "bending spread lower_arm": 0.2}
+@pytest.mark.parametrize("named", ["link_bending", None])
+def test_what_is_not_there_changes_nothing(ordinary, lines, posed, named):
+    """All other effects, their sizes at zero, beside a bending link or none."""
+    instances, values = (), {}
+    if named is not None:
+        bending = instance_of(ordinary, named, "lower_arm")
+        instances = (bending,)
+        values = {bending.size: 1e-5, "bending spread lower_arm": 0.2}
+    alone = Hypothesis(ordinary=ordinary, instances=instances)
+    values = start_of(alone) | values
     others = [
         i
         for i in all_instances(ordinary)
-        if i.parameters and not i.relaxes and i.effect.name != "base" and i.key != bending.key
+        if i.parameters
+        and not i.relaxes
+        and i.effect.name != "base"
+        and all(i.key != own.key for own in instances)
     ]
-    beside = Hypothesis(ordinary=ordinary, instances=(bending, *others))
+    beside = Hypothesis(ordinary=ordinary, instances=(*instances, *others))
     space = beside.space()
     zero = {n: 0.0 for i in others for n in (i.size, *i.sizes)}
     every = space.values(space.start()) | zero | values
