@@ -192,7 +192,8 @@ def _bodies(assembly: Assembly, link: int) -> list[Array]:
     if link not in assembly.pieces:
         return [whole]
     shares, offsets = assembly.pieces[link]
-    pieces = Pieces(shares=shares, offsets_m=offsets, motion=np.zeros((len(shares), 6, 0)))
+    every, still = np.arange(len(shares)), np.zeros((len(shares), 6, 0))
+    pieces = Pieces(shares=shares, offsets_m=offsets, starts=every, motion=still)
     return list(pieces.split(whole))
 
 

@@ -308,19 +308,25 @@ class Assembly:
         self.compliance_loss_factor.append(0.0)
         return len(self.columns) - 1
 
-    def motion_of_pieces(
-        self, link: int, motion: Array, shares: Array, coordinates: Sequence[int]
-    ) -> Array:
-        """Return (..., P, 6, k) of pieces: one stays where a hinge beyond it turns.
+    def motion_of_pieces(self, link: int, motion: Array, coordinates: Sequence[int]) -> Array:
+        """Return (..., G, 6, k) of groups of pieces: one stays where a hinge beyond it turns.
 
-        `motion` (..., 6, k) of the link, each column by one of the coordinates; `shares` (P,).
+        `motion` (..., 6, k) of the link, each column by one of the coordinates.
         """
-        found = np.repeat(motion[..., None, :, :], len(shares), axis=-3)
+        shares, _ = self.all_pieces[link]
+        starts = self.groups_of_pieces(link)
+        found = np.repeat(motion[..., None, :, :], len(starts), axis=-3)
         for column, coordinate in enumerate(coordinates):
             here = self.inside.get(coordinate)
             if here is not None and here.link == link:
-                found[..., : here.stay(shares), :, column] = 0.0
+                found[..., starts < here.stay(shares), :, column] = 0.0
         return found
+
+    def groups_of_pieces(self, link: int) -> npt.NDArray[np.int64]:
+        """Return (G,) the first piece of each group of a link's that move alike."""
+        shares, _ = self.all_pieces[link]
+        stay = {own.stay(shares) for own in self.inside.values() if own.link == link}
+        return np.array(sorted({0} | {n for n in stay if n < len(shares)}))
 
     @property
     def all_pieces(self) -> dict[int, tuple[Array, Array]]:

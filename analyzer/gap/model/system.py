@@ -18,27 +18,29 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pieces:
-    """A link's mass in P pieces along a line, each moving by itself."""
+    """A link's mass in P pieces along a line, in G groups that move each by itself."""
 
     shares: Array  # (P,) of the mass
     offsets_m: Array  # (P, 3) of each centre from the link's; their mean by mass is zero
-    motion: Array  # (P, 6, n); stacked, with postures before
+    starts: npt.NDArray[np.int64]  # (G,) first piece of each group
+    motion: Array  # (G, 6, n); stacked, with postures before
 
-    def split(self, inertia: Array) -> Array:
-        """(P, 6, 6) spatial inertias of the pieces: together they are the link's.
+    def split(self, inertia: npt.NDArray[np.floating[Any]]) -> Array:
+        """(..., G, 6, 6) spatial inertias of the groups: together they are the link's (..., 6, 6).
 
         Linear in the link's: what the offsets add to the tensor, the pieces themselves have less.
         """
-        mass = inertia[0, 0]
-        moment = inertia[3:, :3]  # the cross product with the first moment
-        apart = [skew(offset) for offset in self.offsets_m]
-        spread = -mass * np.sum([w * o @ o for w, o in zip(self.shares, apart, strict=True)], 0)
-        found = np.tile(inertia, (len(apart), 1, 1))
-        for piece, o in zip(found, apart, strict=True):
-            piece[3:, :3] += mass * o
-            piece[:3, 3:] -= mass * o
-            piece[3:, 3:] -= moment @ o + o @ moment + mass * o @ o + spread
-        return np.asarray(self.shares[:, None, None] * found)
+        mass = inertia[..., None, :1, :1]
+        moment = inertia[..., None, 3:, :3]  # the cross product with the first moment
+        apart = skew(self.offsets_m)
+        square = apart @ apart
+        square = square - np.tensordot(self.shares, square, axes=1)
+        found = np.repeat(inertia[..., None, :, :], len(apart), axis=-3)
+        found[..., 3:, :3] += mass * apart
+        found[..., :3, 3:] -= mass * apart
+        found[..., 3:, 3:] -= moment @ apart + apart @ moment + mass * square
+        found *= self.shares[:, None, None]
+        return np.asarray(np.add.reduceat(found, self.starts, axis=-3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

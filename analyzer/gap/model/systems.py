@@ -82,14 +82,15 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         link: Pieces(
             shares=shares,
             offsets_m=offsets,
-            motion=first.motion_of_pieces(link, link_motion[:, link], shares, range(n)),
+            starts=first.groups_of_pieces(link),
+            motion=first.motion_of_pieces(link, link_motion[:, link], range(n)),
         )
         for link, (shares, offsets) in first.all_pieces.items()
     }
     whole = [link for link in range(inertia.shape[1]) if link not in pieces]
     mass = _together(link_motion[:, whole], _pull(inertia[:, whole], link_motion[:, whole]))
     for link, piece in pieces.items():
-        mass += _together(piece.motion, _pull(_split(piece, inertia[:, link]), piece.motion))
+        mass += _together(piece.motion, _pull(piece.split(inertia[:, link]), piece.motion))
     base = T[:, :6]
     base_inertia = np.array([own.base_inertia for own in assemblies])
     mass += base.swapaxes(1, 2) @ base_inertia @ base
@@ -166,7 +167,7 @@ def angle_slopes(
     n = T.shape[-1]
     momentum = _pull(_inertias(assemblies), system.link_motion)  # (P, n_links, 6, n)
     for link, piece in system.pieces.items():
-        split = _split(piece, _inertias(assemblies)[:, link])
+        split = piece.split(_inertias(assemblies)[:, link])
         momentum[:, link] = _pull(split, piece.motion).sum(axis=1)
     momentum = geometry.to_link.swapaxes(-1, -2) @ momentum
     beyond = momentum[:, ::-1].cumsum(axis=1)[:, ::-1]  # of each joint's link and all after it
@@ -214,8 +215,8 @@ def motion_slopes(
     pull = _pull(inertia[:, whole], system.link_motion[:, whole])
     mass = _together(by_link[:, whole], pull)
     for link, piece in system.pieces.items():
-        turned = first.motion_of_pieces(link, by_link[:, link], piece.shares, at)
-        mass += _together(turned, _pull(_split(piece, inertia[:, link]), piece.motion))
+        turned = first.motion_of_pieces(link, by_link[:, link], at)
+        mass += _together(turned, _pull(piece.split(inertia[:, link]), piece.motion))
     base_inertia = np.array([own.base_inertia for own in assemblies])
     mass += dT[:, :6].swapaxes(1, 2) @ base_inertia @ T[:, :6]
     gravity = _gravity(assemblies)
@@ -254,11 +255,6 @@ def _columns(assemblies: Sequence[Assembly]) -> Array:
 def _inertias(assemblies: Sequence[Assembly]) -> Array:
     """(P, n_links, 6, 6)."""
     return np.array([own.link_inertia for own in assemblies])
-
-
-def _split(piece: Pieces, inertia: Array) -> Array:
-    """(P, pieces, 6, 6) of (P, 6, 6)."""
-    return np.array([piece.split(own) for own in inertia])
 
 
 def _pull(inertia: Array, motion: Array) -> Array:

@@ -296,7 +296,10 @@ def test_pieces_of_a_rod_are_rods_where_they_lie():
     middles = 0.5 * (edges[1:] + edges[:-1])
     whole = spatial_inertia(6.0, 0.3 * along, np.diag([0.0, 1.0, 1.0]) * 6.0 * 0.6**2 / 12.0)
     pieces = Pieces(
-        shares=shares, offsets_m=np.outer(middles - 0.3, along), motion=np.zeros((4, 6, 1))
+        shares=shares,
+        offsets_m=np.outer(middles - 0.3, along),
+        starts=np.arange(4),
+        motion=np.zeros((4, 6, 1)),
     )
     total = 0.0
     for piece, part, middle in zip(pieces.split(whole), shares, middles, strict=True):
