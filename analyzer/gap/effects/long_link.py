@@ -23,7 +23,7 @@ __all__ = ["given_way"]
 
 Array = npt.NDArray[np.float64]
 
-_SPREAD_STD = 0.3
+_SPREAD_STD = 0.3  # of the part of its length that a link's mass is spread over
 # Where along it a link gives way: ln of its softness at the tip over that at the root, and at the
 # middle over that of the ends.
 _TAPER_STD, _MIDDLE_STD = 1.9, 1.9
