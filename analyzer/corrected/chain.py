@@ -98,9 +98,7 @@ def _chain(superset: Superset, assembly: Assembly, correction: Correction) -> Ch
         name = name_of[at]
         for link, twist, size in _parts(superset, assembly.columns[at], name):
             inside = assembly.inside.get(at)
-            before = 0
-            if inside is not None and inside.link == link and link in assembly.pieces:
-                before = inside.stay(assembly.pieces[link][0])
+            before = inside.before if inside is not None and inside.link == link else 0
             element = _element(name, link, twist)
             by_link.setdefault(link, []).append((before, element, (at, size)))
     elements: list[Element] = []
@@ -192,8 +190,7 @@ def _bodies(assembly: Assembly, link: int) -> list[Array]:
     if link not in assembly.pieces:
         return [whole]
     shares, offsets = assembly.pieces[link]
-    every, still = np.arange(len(shares)), np.zeros((len(shares), 6, 0))
-    pieces = Pieces(shares=shares, offsets_m=offsets, starts=every, motion=still)
+    pieces = Pieces(shares=shares, offsets_m=offsets, motion=np.zeros((len(shares), 6, 0)))
     return list(pieces.split(whole))
 
 

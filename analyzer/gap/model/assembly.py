@@ -22,6 +22,7 @@ import numpy.typing as npt
 from armodal.analyzer.arm.hysteresis import REFERENCE_RAD_S
 from armodal.analyzer.gap.model.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.model.lines import PostureLines
+from armodal.analyzer.gap.model.stretch import Stretch
 
 __all__ = [
     "BASE",
@@ -35,8 +36,6 @@ __all__ = [
 Array = npt.NDArray[np.float64]
 
 BASE = -1  # where a link is asked for
-
-_ROUNDING = 1e-9  # of shares
 
 
 def relaxing_name(joint: str) -> str:
@@ -70,7 +69,7 @@ class Inside:
     """How a coordinate inside a link moves what is on that link; what is beyond moves whole."""
 
     link: int
-    before: int | None  # pieces that stay; None: those of the first half of its mass
+    before: int  # pieces that stay, where the others move whole
     points: npt.NDArray[np.int64]  # (k,) that do not move whole
     part: Array  # (k,) of it that each turns by
     shift_m: Array  # (k, 3) to where each turns about, as the hinge is from there; sensor axes
@@ -78,12 +77,29 @@ class Inside:
     by: str = ""
     part_slope: Array = field(default_factory=lambda: np.zeros(0))  # (k,)
     shift_slope_m: Array = field(default_factory=lambda: np.zeros((0, 3)))  # (k, 3)
+    # Where pieces move in part too, as points do.
+    stretch: Stretch | None = None
 
-    def stay(self, shares: Array) -> int:
-        """Return how many of a link's pieces, with these shares of its mass, stay."""
-        if self.before is not None:
-            return self.before
-        return int(np.count_nonzero(np.cumsum(shares) < 0.5 + _ROUNDING))
+    def moved(self, motion: Array, shares: Array) -> Array:
+        """Return (..., P, 6) of pieces with shares (P,), by the motion (..., 6) of the link whole.
+
+        In the link's frame.
+        """
+        if self.stretch is None:
+            goes = np.arange(len(shares)) >= self.before
+            return np.asarray(np.where(goes[:, None], motion[..., None, :], 0.0))
+        part, back, _, _ = self.stretch.at(shares)
+        return part[:, None] * self.stretch.turned_about(motion, back)
+
+    def moved_slope(self, motion: Array, shares: Array) -> Array:
+        """Return (..., P, 6), by what that changes a unit of the parameter, the motion as it is."""
+        if self.stretch is None:
+            return np.zeros((*motion.shape[:-1], len(shares), 6))
+        part, back, by_part, by_back = self.stretch.at(shares)
+        found = by_part[:, None] * self.stretch.turned_about(motion, back)
+        further = (part * by_back)[:, None] * np.cross(self.stretch.along, motion[..., None, 3:])
+        found[..., :3] -= further
+        return np.asarray(found)
 
 
 @dataclass
@@ -309,24 +325,17 @@ class Assembly:
         return len(self.columns) - 1
 
     def motion_of_pieces(self, link: int, motion: Array, coordinates: Sequence[int]) -> Array:
-        """Return (..., G, 6, k) of groups of pieces: one stays where a hinge beyond it turns.
+        """Return (..., P, 6, k): a piece stays where a hinge beyond it turns.
 
         `motion` (..., 6, k) of the link, each column by one of the coordinates.
         """
         shares, _ = self.all_pieces[link]
-        starts = self.groups_of_pieces(link)
-        found = np.repeat(motion[..., None, :, :], len(starts), axis=-3)
+        found = np.repeat(motion[..., None, :, :], len(shares), axis=-3)
         for column, coordinate in enumerate(coordinates):
             here = self.inside.get(coordinate)
             if here is not None and here.link == link:
-                found[..., starts < here.stay(shares), :, column] = 0.0
+                found[..., column] = here.moved(motion[..., column], shares)
         return found
-
-    def groups_of_pieces(self, link: int) -> npt.NDArray[np.int64]:
-        """Return (G,) the first piece of each group of a link's that move alike."""
-        shares, _ = self.all_pieces[link]
-        stay = {own.stay(shares) for own in self.inside.values() if own.link == link}
-        return np.array(sorted({0} | {n for n in stay if n < len(shares)}))
 
     @property
     def all_pieces(self) -> dict[int, tuple[Array, Array]]:

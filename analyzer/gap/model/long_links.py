@@ -16,12 +16,12 @@ import numpy.typing as npt
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.model.assembly import Inside
 from armodal.analyzer.gap.model.spread import apart
+from armodal.analyzer.gap.model.stretch import Stretch
 from armodal.protocols.arm.records import InertialLink
 
 __all__ = ["SLICES", "LongLink", "long_links", "span_m"]
 
 Array = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
 
 _LEAST_M = 0.2  # shorter links are stiff
 # Least over next moment of inertia of a rod 1.5 times as long as it is wide; and its line goes to
@@ -56,7 +56,7 @@ class LongLink:
         return shares, apart(link, self.along, shares, spread * middles)
 
     def about(self, superset: Superset, place: float, by: str) -> Inside:
-        """How a hinge for the stretch about a place moves the link's points and half its mass.
+        """How a hinge for the stretch about a place moves the link's points and its mass.
 
         Parameters
         ----------
@@ -65,50 +65,37 @@ class LongLink:
         by
             The parameter whose value that is.
         """
-        length = self.length_m
-        start, end = max(2.0 * place - 1.0, 0.0) * length, min(2.0 * place, 1.0) * length
-        found = self.inside(superset, start, end, None)
-        # The end moves where the start stands, and the other way round.
-        by_start, by_end = (2.0 * length, 0.0) if place > 0.5 else (0.0, 2.0 * length)
-        stretch = end - start
-        at = start + found.part * stretch
-        slope = -(by_start * (end - at) + by_end * (at - start)) / stretch**2
-        turns = found.part > 0.0
-        back = self._back(superset, found.points)
-        return replace(
-            found,
-            by=by,
-            part_slope=np.where(turns, slope, 0.0),
-            shift_slope_m=np.where(turns, 0.5 * by_end, 0.0)[:, None] * back,
+        length, late = self.length_m, place > 0.5
+        stretch = Stretch(
+            along=self.along,
+            length_m=length,
+            start_m=max(2.0 * place - 1.0, 0.0) * length,
+            end_m=min(2.0 * place, 1.0) * length,
+            start_slope_m=2.0 * length if late else 0.0,
+            end_slope_m=0.0 if late else 2.0 * length,
         )
+        return replace(self._moved(superset, stretch, 0), by=by, stretch=stretch)
 
-    def inside(
-        self, superset: Superset, start_m: float, end_m: float, before: int | None
-    ) -> Inside:
-        """How a hinge that stands for an evenly soft stretch moves the link's points.
+    def inside(self, superset: Superset, start_m: float, end_m: float, before: int) -> Inside:
+        """How a hinge that stands for an evenly soft stretch moves the link's points."""
+        stretch = Stretch(along=self.along, length_m=self.length_m, start_m=start_m, end_m=end_m)
+        return self._moved(superset, stretch, before)
 
-        One at t from the stretch's start turns by that part of the hinge's yield, about the middle
-        of what is before it: the yields of a beam under an even moment.
-        """
-        ends = np.array([start_m, end_m])
+    def _moved(self, superset: Superset, stretch: Stretch, before: int) -> Inside:
         points = [i for i, own in enumerate(superset.point_link) if own == self.link]
         placed = [superset.arm.points[i] for i in points]
-        along = np.clip([(p.position_m - self.start_m) @ self.along for p in placed], *ends)
-        partly = along < end_m
-        here = np.array(points, dtype=np.int64)[partly]
-        off = 0.5 * (end_m - along[partly])
+        at_m = np.array([(p.position_m - self.start_m) @ self.along for p in placed])
+        back = np.array([point.R_link_sensor.T @ self.along for point in placed])
+        part, back_m, by_part, by_back = stretch.parts(at_m)
         return Inside(
             link=self.link,
             before=before,
-            points=here,
-            part=(along[partly] - start_m) / (end_m - start_m),
-            shift_m=off[:, None] * self._back(superset, here),
+            points=np.array(points, dtype=np.int64),
+            part=part,
+            shift_m=back_m[:, None] * back,
+            part_slope=by_part,
+            shift_slope_m=by_back[:, None] * back,
         )
-
-    def _back(self, superset: Superset, points: Indices) -> Array:
-        """(k, 3) the line's direction along sensors' axes at points."""
-        axes = [superset.arm.points[i].R_link_sensor for i in points]
-        return np.array([R.T @ self.along for R in axes]).reshape(-1, 3)
 
 
 def long_links(superset: Superset) -> tuple[LongLink, ...]:

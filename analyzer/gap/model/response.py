@@ -288,8 +288,8 @@ class Response:
         pieces = None if at_root else self.system.pieces.get(link)
         if pieces is None:
             return self._by_inertia(self.system.link_motion[:, link], changes)
-        split = pieces.split(changes).swapaxes(0, 1)  # (groups, k, 6, 6)
-        motions = pieces.motion.swapaxes(0, 1)  # (groups, P, 6, n)
+        split = pieces.split(changes).swapaxes(0, 1)  # (pieces, k, 6, 6)
+        motions = pieces.motion.swapaxes(0, 1)  # (pieces, P, 6, n)
         parts = [self._by_inertia(J, own) for J, own in zip(motions, split, strict=True)]
         return np.asarray(np.sum(parts, axis=0))
 

@@ -132,16 +132,15 @@ def _add_bend(
     """Add a long link's hinge where it gives way, which moves what lies beyond."""
     line, (turns, moved), pieces = bend
     by = f"bend place {line.name}"
-    columns = turns + (values[by] - BEND_PLACE) * moved
-    inside = line.about(superset, values[by], by)
+    place = min(max(values[by], BEND_PLACE_LEAST), BEND_PLACE_MOST)
+    columns = turns + (place - BEND_PLACE) * moved
+    inside = line.about(superset, place, by)
     losses = _loss_names("bend loss", line.name)
     lean = f"bend lean {line.name}"
-    names = [f"bend {way} {line.name}" for way in _BEND_WAYS]
-    if any(values[name] for name in names):  # one that is locked is whole
-        assembly.ordinary_pieces[line.link] = pieces
-    for way, name, column, change in zip(_BEND_WAYS, names, columns, moved, strict=True):
+    assembly.ordinary_pieces[line.link] = pieces
+    for way, column, change in zip(_BEND_WAYS, columns, moved, strict=True):
         leans = values[lean] if way == "b" else 0.0  # as `effects.yielding_line` has it
-        at = _add(assembly, values, name, column + leans * columns[0], losses)
+        at = _add(assembly, values, f"bend {way} {line.name}", column + leans * columns[0], losses)
         assembly.inside[at] = inside
         assembly.motion_of.setdefault(by, []).append((at, change + leans * moved[0]))
         if way == "b":

@@ -18,15 +18,14 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pieces:
-    """A link's mass in P pieces along a line, in G groups that move each by itself."""
+    """A link's mass in P pieces along a line, each moving by itself."""
 
     shares: Array  # (P,) of the mass
     offsets_m: Array  # (P, 3) of each centre from the link's; their mean by mass is zero
-    starts: npt.NDArray[np.int64]  # (G,) first piece of each group
-    motion: Array  # (G, 6, n); stacked, with postures before
+    motion: Array  # (P, 6, n); stacked, with postures before
 
     def split(self, inertia: npt.NDArray[np.floating[Any]]) -> Array:
-        """(..., G, 6, 6) spatial inertias of the groups: together they are the link's (..., 6, 6).
+        """(..., P, 6, 6) spatial inertias of the pieces: together they are the link's (..., 6, 6).
 
         Linear in the link's: what the offsets add to the tensor, the pieces themselves have less.
         """
@@ -40,7 +39,7 @@ class Pieces:
         found[..., :3, 3:] -= mass * apart
         found[..., 3:, 3:] -= moment @ apart + apart @ moment + mass * square
         found *= self.shares[:, None, None]
-        return np.asarray(np.add.reduceat(found, self.starts, axis=-3))
+        return np.asarray(found)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -82,7 +82,6 @@ def systems(assemblies: Sequence[Assembly]) -> System:
         link: Pieces(
             shares=shares,
             offsets_m=offsets,
-            starts=first.groups_of_pieces(link),
             motion=first.motion_of_pieces(link, link_motion[:, link], range(n)),
         )
         for link, (shares, offsets) in first.all_pieces.items()
@@ -205,6 +204,7 @@ def motion_slopes(
     """
     first, T = assemblies[0], _columns(assemblies)
     at = [coordinate for name in names for coordinate, _ in first.motion_of[name]]
+    by = [name for name in names for _ in first.motion_of[name]]
     changes = [[way for name in names for _, way in own.motion_of[name]] for own in assemblies]
     dT = np.array(changes).swapaxes(1, 2)  # (P, N, k)
     P, N, k = dT.shape
@@ -216,12 +216,16 @@ def motion_slopes(
     mass = _together(by_link[:, whole], pull)
     for link, piece in system.pieces.items():
         turned = first.motion_of_pieces(link, by_link[:, link], at)
+        for column, (coordinate, name) in enumerate(zip(at, by, strict=True)):
+            inside = first.inside.get(coordinate)
+            if inside is not None and inside.link == link and inside.by == name:
+                unit = system.link_motion[:, link, :, coordinate]
+                turned[..., column] += inside.moved_slope(unit, piece.shares)
         mass += _together(turned, _pull(piece.split(inertia[:, link]), piece.motion))
     base_inertia = np.array([own.base_inertia for own in assemblies])
     mass += dT[:, :6].swapaxes(1, 2) @ base_inertia @ T[:, :6]
     gravity = _gravity(assemblies)
     where, hits = _mountings(assemblies)
-    by = [name for name in names for _ in first.motion_of[name]]
     motion = _point_motion(assemblies, dT, at, by)
     J = _at(motion, where)
     R = _turned_back(assemblies, where)

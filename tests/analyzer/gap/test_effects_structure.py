@@ -298,7 +298,6 @@ def test_pieces_of_a_rod_are_rods_where_they_lie():
     pieces = Pieces(
         shares=shares,
         offsets_m=np.outer(middles - 0.3, along),
-        starts=np.arange(4),
         motion=np.zeros((4, 6, 1)),
     )
     total = 0.0

@@ -25,9 +25,7 @@ def second_moments(body, offsets):
     """Of each piece about its own centre."""
     spatial = np.zeros((6, 6))
     spatial[:3, :3], spatial[3:, 3:] = body.mass_kg * np.eye(3), body.inertia_kg_m2
-    pieces = Pieces(
-        shares=SHARES, offsets_m=offsets, starts=np.arange(4), motion=np.zeros((4, 6, 0))
-    )
+    pieces = Pieces(shares=SHARES, offsets_m=offsets, motion=np.zeros((4, 6, 0)))
     for share, offset, own in zip(SHARES, offsets, pieces.split(spatial), strict=True):
         mass = share * body.mass_kg
         J = own[3:, 3:] - mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
