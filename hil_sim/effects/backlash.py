@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMPARED", "HIDES", "OF_FILE", "Backlash"]
 
-PLAY = 0.2  # half of it / swing after a hit of middle level
+PLAY = 0.22  # half of it / swing after a hit of middle level
 
 
 class Backlash(BaseEffect):

@@ -74,10 +74,10 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     near = "floor" if rng.random() < 0.5 else names[0]
     far = names[int(rng.integers(2, 4))]
     first = places.reach(names[1])
-    lever = 0.6 * float(np.linalg.norm(first))
+    lever = 0.65 * float(np.linalg.norm(first))
     joints = [places.joints[name]["damping_n_m_s_per_rad"] for name in places.elastic[:3]]
     damping = float(DASHPOT * magnitude * about(rng) * np.mean(joints) / lever**2)
-    from_m = (0.25, 0.3, 0.1) if near == "floor" else plain(places.somewhere(rng, near))
+    from_m = (0.22, 0.28, 0.12) if near == "floor" else plain(places.somewhere(rng, near))
     to_m = plain(places.somewhere(rng, far))
     table = {
         "kind": "dashpot",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["COMPARED", "HIDES", "OF_FILE", "GravityCompensator", "lever_arms"]
 
-_EYE_M = 0.2  # of the shorter lever of a cylinder of the file; its stiffness goes with it
+_EYE_M = 0.22  # of the shorter lever of a cylinder of the file; its stiffness goes with it
 
 Array = npt.NDArray[np.float64]
 

@@ -68,7 +68,7 @@ def hide(places: ArmPlaces, rng: np.random.Generator, magnitude: float) -> Hidde
     arm_kg = sum(link["mass_kg"] for link in places.links.values())
     mass = float(PAYLOAD * arm_kg * magnitude * about(rng))
     center = np.array(places.links[link]["center_m"]) + 0.06 * unit(rng)
-    own = 0.002 * mass
+    own = 0.0018 * mass
     table = {
         "kind": "payload",
         "link": link,

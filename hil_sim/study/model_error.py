@@ -25,7 +25,7 @@ Tables = dict[str, Any]
 # Ranges are drawn by their logarithm. Compliances are parts of those of the drives that are there.
 WEAK_BEARING = (0.0008, 0.0235)  # across each joint's axis, of its own drive's
 NOT_RIGID = (0.0004, 0.019)  # about the axis of a joint believed rigid
-SOFT_FLOOR = (0.0002, 0.0085)  # rocking of the base
+SOFT_FLOOR = (0.00015, 0.0085)  # rocking of the base
 FLOOR_SHIFT_M2 = (0.002, 0.05)  # m / N of shifting per rad / N m of rocking
 BASE_MASS = (0.05, 0.6)  # of the arm's
 INTERFACE_LOSS_S = (4e-6, 6e-4)  # damping / stiffness: a loss of 0.25 to 38 % at 100 Hz

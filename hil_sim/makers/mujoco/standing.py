@@ -35,8 +35,8 @@ POSTURES = (0, 2)
 LINES_HZ = np.geomspace(4.0, 160.0, 72)
 OF_ALL = 0.01  # of the root mean square of all FRFs: below it no model of an arm is right
 BROAD = 0.06  # lines lie at s = (BROAD + j) omega: changes below that part of omega stay linear
-LOCAL = 0.01  # of a line's magnitude, that repeating a session changes
-OF_CHANNEL = 0.004  # of its FRF's root mean square
+LOCAL = 0.009  # of a line's magnitude, that repeating a session changes
+OF_CHANNEL = 0.003  # of its FRF's root mean square
 REPEATS = 3  # hits a point
 PULSE_AREA = 0.556  # integral of sin^(3/2) over its half wave, over its length times its peak
 ORDINARY_STD = 2.0  # that many standard deviations of a cause count like one part

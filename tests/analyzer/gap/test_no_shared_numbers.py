@@ -2,8 +2,8 @@
 
 Which numbers count. Of an effect: what its priors (`Parameter`) and its equations (functions that
 take an assembly, and what they call) are made of in `analyzer/gap/effects`; in `hil_sim` all that
-its files, its function and that function's constants hold. Of ordinary errors: the constants of
-`model/priors.py`, and those in `hil_sim` whose names share a word that names a part or an error.
+the files hold which make it. Of ordinary errors: the constants of `model/priors.py`, and those in
+`hil_sim` whose names share a word that names a part or an error. Makers have none in common either.
 Thresholds of judgement and places where a search begins are none of an arm's properties.
 Not counted, since they describe no arm: integers to ten (counts, indices), a half, powers of ten
 (units, steps of differences), and what a number is multiplied by to change its unit.
@@ -27,13 +27,20 @@ ORDINARY = [
     SIMULATOR / "makers" / "frame" / "everyday.py",
     SIMULATOR / "makers" / "mujoco" / "ordinary.py",
 ]
-MAKERS = sorted((SIMULATOR / "study").glob("hide_*.py"))
+DISCREPANCY = ANALYZER / "gap" / "model" / "weigh.py"
+# What repeating a session is taken to change, by which makers tell how far an effect stands out.
+YARDSTICKS = {
+    SIMULATOR / "study" / "prominence.py": ("LINE", "CHANNEL"),
+    SIMULATOR / "makers" / "mujoco" / "standing.py": ("LOCAL", "OF_CHANNEL"),
+    SIMULATOR / "makers" / "frame" / "visibility.py": ("OWN_SCATTER", "OTHER_SCATTER"),
+}
 # By a word of a prior's name: the words of constants that tell the same of an arm.
 SAME = {
-    "bearing": {"bearing", "weak"},
+    "bearing": {"bearing", "weak", "tilt"},
     "loss": {"loss"},
     "floor": {"base", "floor", "plate"},
-    "bend": {"link", "shell"},
+    "bend": {"bend", "link", "shell"},
+    "relaxing": {"stiffer", "slow", "fast"},
     "delay": {"delay"},
     "place": {"point", "blow"},
 }
@@ -68,22 +75,18 @@ def constants(tree):
                 yield from ((t.id, v) for t, v in pairs if isinstance(t, ast.Name))
 
 
-def of_maker(path, name):
-    """Numbers of a function of that name and of the constants it uses."""
-    tree = parsed(path)
-    known = dict(constants(tree))
-    for function in tree.body:
-        if isinstance(function, ast.FunctionDef) and function.name == name:
-            yield from literals(function)
-            for used in ast.walk(function):
-                if isinstance(used, ast.Name) and used.id in known:
-                    yield from literals(known[used.id])
+def locals_of(tree):
+    """Names that functions give to something, and what it is made of."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            yield node.targets[0].id, node.value
 
 
 def of_priors_and_equations(path):
     """Numbers of `Parameter(...)` and of what adds terms, constants and helpers followed."""
     tree = parsed(path)
-    known = dict(constants(tree)) | {f.name: f for f in tree.body if isinstance(f, ast.FunctionDef)}
+    known = dict(locals_of(tree)) | dict(constants(tree))
+    known |= {f.name: f for f in tree.body if isinstance(f, ast.FunctionDef)}
     waiting = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Parameter":
@@ -100,10 +103,32 @@ def of_priors_and_equations(path):
                 waiting.append(known[used.id])
 
 
+def effects_of(path):
+    """Names of the effects that a file of `hil_sim/effects` makes."""
+    yield path.stem
+    for name, value in constants(parsed(path)):
+        if name in {"HIDES", "OF_FILE", "COMPARED"} and isinstance(value, ast.Dict):
+            yield from (key.value for key in value.keys if isinstance(key, ast.Constant))
+
+
+def by_effect(paths, names=lambda path: [path.stem]):
+    """Of each effect, the numbers of the files that make it."""
+    found = {}
+    for path in paths:
+        for name in names(path):
+            found[name] = found.get(name, set()) | set(literals(parsed(path)))
+    return found
+
+
+MAKERS = {
+    "home": by_effect(SIMULATOR.glob("effects/*.py"), effects_of),
+    "frame": by_effect(SIMULATOR.glob("makers/frame/effects/*.py")),
+    "mujoco": by_effect(SIMULATOR.glob("makers/mujoco/effects/*.py")),
+}
+
+
 def of_simulator(name):
-    own = [*SIMULATOR.glob(f"effects/{name}.py"), *SIMULATOR.glob(f"makers/*/effects/{name}.py")]
-    found = set(itertools.chain(*(literals(parsed(path)) for path in own)))
-    return found | set(itertools.chain(*(of_maker(path, name) for path in MAKERS)))
+    return set().union(*(numbers.get(name, ()) for numbers in MAKERS.values()))
 
 
 NAMES = sorted(path.stem for path in EFFECTS.glob("*.py") if of_simulator(path.stem))
@@ -129,3 +154,40 @@ def test_a_prior_has_no_number_of_what_is_drawn(source):
         for theirs, numbers in drawn:
             if words & theirs and ("loss" in ours) == ("loss" in theirs):
                 assert not set(literals(value)) & numbers, (name, theirs)
+
+
+@pytest.mark.parametrize("name", sorted(set().union(*MAKERS.values())))
+def test_no_two_makers_have_a_number_of_an_effect_in_common(name):
+    for one, other in itertools.combinations(MAKERS.values(), 2):
+        assert not one.get(name, set()) & other.get(name, set())
+
+
+def test_no_two_makers_draw_what_is_ordinary_between_the_same_bounds():
+    of_each = [
+        {(words, number) for n, v in constants(parsed(path)) for words, number in tagged(n, v)}
+        for path in ORDINARY
+    ]
+    for one, other in itertools.combinations(of_each, 2):
+        assert not one & other
+
+
+def tagged(name, value):
+    """What part of an arm or error a constant is of, with each of its numbers."""
+    own = set(name.lower().split("_"))
+    for word, same in SAME.items():
+        if same & own and ("loss" in own) == (word == "loss"):
+            yield from ((word, number) for number in literals(value))
+
+
+def test_what_a_maker_calls_seen_is_not_what_the_analyzer_believes_of_a_right_model():
+    classes = [n for n in parsed(DISCREPANCY).body if getattr(n, "name", "") == "Discrepancy"]
+    fields = (field for c in classes for field in c.body if isinstance(field, ast.AnnAssign))
+    # A hundredth counts here.
+    ours = {node.value for f in fields for node in ast.walk(f.value) if hasattr(node, "value")}
+    assert len(ours) == 4
+    for path, names in YARDSTICKS.items():
+        told = dict(constants(parsed(path)))
+        theirs = [told[name] for name in names]
+        assert not ours & {
+            n.value for value in theirs for n in ast.walk(value) if hasattr(n, "value")
+        }

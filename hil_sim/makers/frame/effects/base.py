@@ -8,10 +8,10 @@ from armodal.hil_sim.makers.frame.parts import Parts
 from armodal.hil_sim.makers.frame.standing import stand
 
 RANGE = (0.004, 3.0)  # rocking compliance over the softest drive's
-ASKEW = (0.4, 1.0)  # stiffness of the other rocking
+ASKEW = (0.45, 1.0)  # stiffness of the other rocking
 YAW = (1.2, 5.0)
 FEET = (0.35, 1.0)  # root of rocking over shift stiffness, over the base's diameter
-LOSS = (0.02, 0.15)
+LOSS = (0.018, 0.14)
 
 
 def where(drawn: Everyday) -> list[str]:

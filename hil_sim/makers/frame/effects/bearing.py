@@ -3,8 +3,8 @@
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 
-RANGE = (0.02, 5.0)  # tilt compliance over the drive's
-LOSS = (0.02, 0.12)  # loss factor
+RANGE = (0.015, 5.0)  # tilt compliance over the drive's
+LOSS = (0.018, 0.13)  # loss factor
 
 
 def where(drawn: Everyday) -> list[str]:

@@ -14,7 +14,7 @@ RANGE = (0.001, 0.4)  # of the moving mass
 SAG = (0.1, 0.35)  # of the span
 THICK = 0.3  # diameter over that of the shell it begins on
 SOFT_PA = (2e6, 6e7)  # modulus of a bundle of hoses
-LOSS = 0.15
+LOSS = 0.17
 PIECES = 6
 
 
@@ -42,13 +42,13 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
         drop = sag * np.linalg.norm(b - a) * 4.0 * along * (1.0 - along)
         bow = a + (b - a) * along + drop * np.array([0.0, 0.0, -1.0])
         steps = np.linalg.norm(np.diff(bow, axis=0), axis=1)
-        area = 0.25 * np.pi * thick**2
+        area = np.pi * thick**2 / 4.0
         second = np.pi * thick**4 / 64.0
         section = Section(
             area_m2=area,
             second_moments_m4=(second, second),
             torsion_m4=2.0 * second,
-            shear_area_m2=0.9 * area,
+            shear_area_m2=0.89 * area,
             youngs_pa=soft,
             density_kg_m3=mass / (area * float(np.sum(steps))),
         )

@@ -9,8 +9,8 @@ from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.standing import Standing, middle_of
 
-RANGE = (0.005, 1.5)  # stiffness about the joint over the drive's
-EYE = (0.25, 0.6)  # of the link's line
+RANGE = (0.004, 1.5)  # stiffness about the joint over the drive's
+EYE = (0.25, 0.65)  # of the link's line
 FORCE = (0.02, 0.25)  # over stiffness times length
 
 
@@ -26,7 +26,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     parent = rows[rows.index(row) - 1].link
     eye = middle_of(row, float(kit.rng.uniform(*EYE)))
     lever = float(np.linalg.norm(eye))
-    anchor = np.array(row.xyz_m) + lever * kit.rng.uniform(0.6, 1.1) * kit.anywhere()
+    anchor = np.array(row.xyz_m) + lever * kit.rng.uniform(0.65, 1.1) * kit.anywhere()
     levers = eye, rotation(row.rpy_rad).T @ (anchor - np.array(row.xyz_m))
     stiffness = size * kit.parts.drives[place].stiffness / lever**2
     strain = float(kit.rng.uniform(*FORCE))

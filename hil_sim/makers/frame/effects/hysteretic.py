@@ -8,9 +8,9 @@ from armodal.hil_sim.makers.frame.modal import loss_law
 from armodal.hil_sim.makers.frame.structure import Complex, Law
 from armodal.protocols.arm.reference import STIFFNESS_AT_HZ
 
-RANGE = (0.01, 0.3)  # loss factor; beyond 0.32 nothing is stiff at rest by this law
+RANGE = (0.01, 0.28)  # loss factor; beyond 0.32 nothing is stiff at rest by this law
 # Where a drive has its stiffness, and where an arm file tells it.
-OWN_AT_HZ = 20.0  # of this maker: no arm has a word on it
+OWN_AT_HZ = 18.0  # of this maker: no arm has a word on it
 REST, TOLD = (2.0j * np.pi * np.array([f_hz]) for f_hz in (OWN_AT_HZ, STIFFNESS_AT_HZ))
 
 

@@ -8,8 +8,8 @@ from armodal.hil_sim.makers.frame.parts import Hinge
 from armodal.hil_sim.makers.frame.standing import middle_of
 
 RANGE = (0.004, 3.0)  # compliance over the softest drive's
-PART = (0.25, 0.75)  # of the shell's line
-BESIDE = 0.25  # of the diameter
+PART = (0.28, 0.72)  # of the shell's line
+BESIDE = 0.28  # of the diameter
 LOSS = (0.01, 0.08)
 
 

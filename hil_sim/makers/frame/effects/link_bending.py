@@ -5,7 +5,7 @@ from dataclasses import replace
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit, stiffer_at_told
 
-RANGE = (1.5, 2000.0)  # times as soft as the section
+RANGE = (1.6, 2000.0)  # times as soft as the section
 
 
 def where(drawn: Everyday) -> list[str]:

@@ -21,7 +21,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     link, joint = place.split("|")[1], kit.drawn.elastic[0]
     loss = kit.drawn.loss[joint].factor
     damping = size * loss * kit.parts.drives[joint].stiffness / (2.0 * np.pi * LOSS_AT_HZ)
-    at = middle_of(kit.row(link), float(kit.rng.uniform(0.3, 1.0)))
+    at = middle_of(kit.row(link), float(kit.rng.uniform(0.35, 1.0)))
     reach = sum(float(np.linalg.norm(row.xyz_m)) for row in kit.drawn.table.links)
     foot = reach * kit.rng.uniform(-0.7, 0.7, 3) * np.array([1.0, 1.0, 0.0])
 

@@ -8,7 +8,7 @@ from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.standing import middle_of
 
 RANGE = (0.003, 0.5)  # of the moving mass
-SLENDER = (0.3, 3.0)  # length over diameter
+SLENDER = (0.32, 2.9)  # length over diameter
 DENSITY_KG_M3 = (900.0, 7800.0)
 
 
@@ -28,7 +28,7 @@ def hide(kit: Kit, place: str, size: float) -> Hidden:
     axis = kit.anywhere()
     inertia = across * np.eye(3) + (0.5 * mass * radius**2 - across) * np.outer(axis, axis)
     reach = 0.5 * row.shell.diameter_m + radius * max(1.0, slender)
-    center = middle_of(row, float(kit.rng.uniform(0.3, 1.0))) + reach * kit.anywhere()
+    center = middle_of(row, float(kit.rng.uniform(0.32, 1.0))) + reach * kit.anywhere()
     kit.parts.added.append((place, Inertial.of(mass, center, inertia)))
     return {
         "mass_kg": mass,

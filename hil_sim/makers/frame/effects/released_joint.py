@@ -5,8 +5,8 @@ from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 
 WRIST = "rigid"  # the only one with such a joint
-RANGE = (0.02, 80.0)  # compliance over the softest drive's
-LOSS = (0.02, 0.12)
+RANGE = (0.015, 80.0)  # compliance over the softest drive's
+LOSS = (0.018, 0.13)
 
 
 def where(drawn: Everyday) -> list[str]:

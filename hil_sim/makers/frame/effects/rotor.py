@@ -5,7 +5,7 @@ import numpy as np
 from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 
-RANGE = (0.002, 5.0)  # of the inertia that gives 15 Hz with the drive
+RANGE = (0.003, 5.0)  # of the inertia that gives 15 Hz with the drive
 
 
 def where(drawn: Everyday) -> list[str]:

@@ -6,7 +6,7 @@ from armodal.hil_sim.makers.frame.everyday import Everyday
 from armodal.hil_sim.makers.frame.kit import Hidden, Kit
 from armodal.hil_sim.makers.frame.standing import Standing
 
-RANGE = (0.04, 1.5)  # turns of the last a turn of the one before
+RANGE = (0.04, 1.4)  # turns of the last a turn of the one before
 WRIST = "elastic"  # of a wrist that is believed rigid neither drive gives way
 
 

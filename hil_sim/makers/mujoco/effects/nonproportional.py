@@ -20,7 +20,7 @@ def put(rig: Rig, place: str, size: float) -> Parameters:
     row = rig.row(place.split("|")[1])
     end = along(row.shell, float(rig.rng.uniform(0.2, 0.9)))[0]
     reach = sum(float(np.linalg.norm(r.xyz_m)) for r in rig.drawn.table.links)
-    floor = rig.rng.uniform(-0.6, 0.6, 3) * np.array([reach, reach, 0.0])
+    floor = rig.rng.uniform(-0.55, 0.55, 3) * np.array([reach, reach, 0.0])
     damping = size * rig.drive(rig.drawn.elastic[0]).damping
     rig.machine.springs.append(
         Spring(name="dashpot", ends=(("", floor), (row.link, end)), damping=damping)
