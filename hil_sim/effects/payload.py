@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["COMPARED", "HIDES", "OF_FILE", "Payload"]
 
 PAYLOAD = 0.035  # of the arm's mass
+_ELEMENTS = ("xx", "yy", "xy", "xz", "yz")  # of its inertia beyond that of a ball
 
 
 class Payload(BaseEffect):
@@ -50,13 +51,16 @@ def _of_file(own: FileEffect) -> Twin:
     place, mass = own.effect.place, own.sizes["payload"]
     center = next(j.link.center_m for j in own.arm.joints if j.link.name == place)
     moment = own.vector("payload_moment", place)
-    inertia = mass * own.sizes.get("payload_radius_of_gyration", 0.0) ** 2
+    even = mass * own.sizes.get("payload_radius_of_gyration", 0.0) ** 2
+    xx, yy, xy, xz, yz = (own.sizes.get(f"payload_uneven_{at}", 0.0) for at in _ELEMENTS)
+    body = np.array([[1.0 + xx, xy, xz], [xy, 1.0 + yy, yz], [xz, yz, 1.0 - xx - yy]])
+    inertia = even * own.turned[place] @ body @ own.turned[place].T
     table = {
         "kind": "payload",
         "link": place,
         "mass_kg": mass,
         "center_m": tuple(own.turned[place] @ center + moment / mass),
-        "inertia_kg_m2": (inertia, 0.0, 0.0, inertia, 0.0, inertia),
+        "inertia_kg_m2": tuple(inertia[np.triu_indices(3)].tolist()),
     }
     return Twin(tables=[table])
 

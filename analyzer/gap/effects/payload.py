@@ -13,6 +13,7 @@ from armodal.analyzer.gap.model.assembly import Assembly, spatial_inertia
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.geometry import skew
 from armodal.analyzer.gap.model.ordinary import Ordinary
+from armodal.analyzer.gap.model.scales import reach_m
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arrays import frozen_array
 
@@ -31,11 +32,17 @@ WORDS = EffectWords(
 )
 _MATERIAL_KG, _MATERIAL = 0.2, 0.003  # or of the arm's mass, whichever is less
 _START = 0.02  # of the arm's mass: from nothing a fit may end with moments of no mass
-_STD, _LEVER_STD_M = 0.1, 0.15  # of the arm's mass; of the moment, with that mass
-_LEAST_KG, _FURTHEST_M = 0.02, 0.15
+_STD = 0.1  # of the arm's mass
+# Lengths are parts of the arm's, from joint to joint: a large arm carries large tools.
+_LEVER_STD, _FURTHEST = 0.12, 0.4  # of its centre from the link's: of the moment, and at most
+_LEAST_KG = 0.02
 _STEP = 1e-6  # kg and kg m, for slopes
 # Of gyration: from a compact tool flange to a spread gripper with hoses. No source: assumed.
-_RADIUS_M, _RADIUS_STD_M, _LARGEST_M = 0.08, 0.07, 0.35
+_RADIUS, _RADIUS_STD, _LARGEST = 0.065, 0.055, 0.27
+# Elements of its inertia beyond that of a ball, over m r^2. From rods (-1, 1/2, 1/2 about its axes)
+# to plates (1/2, -1/4, -1/4), turned anyhow: ten times their variance is the sum of those squares.
+_UNEVEN = ("xx", "yy", "xy", "xz", "yz")  # and zz such that their sum is nothing
+_UNEVEN_STD, _UNEVEN_MOST = 0.29, 0.5
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -51,20 +58,24 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
     """
     joint = ordinary.arm.joints[link]
     name, center = joint.link.name, joint.link.center_m
+    length_m = reach_m(ordinary.superset)
     total = sum(j.link.mass_kg for j in ordinary.arm.joints)
     mass = f"payload {name}"
     moments = [f"payload moment {axis} {name}" for axis in "xyz"]
     radius = f"payload radius of gyration {name}"
-    names = (mass, *moments, radius)
+    uneven = [f"payload uneven {element} {name}" for element in _UNEVEN]
+    names = (mass, *moments, radius, *uneven)
 
     def lever(first: Array, mass_kg: float) -> Array:
-        return np.clip(first / max(mass_kg, _LEAST_KG), -_FURTHEST_M, _FURTHEST_M)
+        furthest_m = _FURTHEST * length_m
+        return np.clip(first / max(mass_kg, _LEAST_KG), -furthest_m, furthest_m)
 
     def inertia(by: Array) -> Array:
-        """(6, 6) by mass, first moments and radius (5,): hardly bent by any."""
+        """(6, 6) by mass, first moments, radius and how uneven it is (10,): hardly bent by any."""
         mass_kg, first, own_radius = float(by[0]), by[1:4], float(by[4])
         d, moved = lever(first, mass_kg), skew(first)
-        found = spatial_inertia(mass_kg, center, mass_kg * own_radius**2 * np.eye(3))
+        own = mass_kg * own_radius**2 * (np.eye(3) + _traceless(by[5:]))
+        found = spatial_inertia(mass_kg, center, own)
         found[:3, 3:] -= moved
         found[3:, :3] += moved
         found[3:, 3:] -= skew(center) @ moved + moved @ skew(center) + mass_kg * skew(d) @ skew(d)
@@ -77,9 +88,9 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
         return frozen_array(here, np.float64), frozen_array(slopes, np.float64)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
-        mass_kg, *first, own_radius = (values[name] for name in names)
-        here, slopes = body(mass_kg, *first, own_radius)
-        assembly.add_inertia(link, here, np.append(mass_kg, mass_kg * center + first))
+        by = [values[name] for name in names]
+        here, slopes = body(*by)
+        assembly.add_inertia(link, here, np.append(by[0], by[0] * center + by[1:4]))
         for name, slope in zip(names, slopes, strict=True):
             assembly.inertia_of[name] = link, slope
 
@@ -103,22 +114,40 @@ def _on(ordinary: Ordinary, link: int) -> Instance:
                 name=mass, unit="kg", mean=0.0, std=_STD * total, low=0.0, start=_START * total
             ),
             *(
-                Parameter(name=m, unit="kg m", mean=0.0, std=_LEVER_STD_M * _STD * total)
+                Parameter(name=m, unit="kg m", mean=0.0, std=_LEVER_STD * length_m * _STD * total)
                 for m in moments
             ),
             Parameter(
                 name=radius,
                 unit="m",
-                mean=_RADIUS_M,
-                std=_RADIUS_STD_M,
+                mean=_RADIUS * length_m,
+                std=_RADIUS_STD * length_m,
                 low=0.0,
-                high=_LARGEST_M,
+                high=_LARGEST * length_m,
+            ),
+            *(
+                Parameter(
+                    name=element,
+                    unit="",
+                    mean=0.0,
+                    std=_UNEVEN_STD,
+                    untold=0.0,
+                    low=-_UNEVEN_MOST,
+                    high=_UNEVEN_MOST,
+                )
+                for element in uneven
             ),
         ),
         builder=build,
         describe=describe,
         is_also=is_also,
         size=mass,
-        shapes=(radius,),
+        shapes=(radius, *uneven),
         material=min(_MATERIAL_KG, _MATERIAL * total),
     )
+
+
+def _traceless(elements: Array) -> Array:
+    """(3, 3) symmetric, of its elements xx, yy, xy, xz, yz."""
+    xx, yy, xy, xz, yz = elements
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]])

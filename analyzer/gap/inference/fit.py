@@ -24,7 +24,7 @@ from armodal.analyzer.gap.inference.levenberg import (
 from armodal.analyzer.gap.inference.stage import Stage, models_of
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.linearised import linearised
+from armodal.analyzer.gap.model.linearised import linearised, linearised_near
 from armodal.analyzer.gap.model.priors import FARTHEST
 from armodal.analyzer.gap.model.space import Space
 from armodal.analyzer.gap.model.weigh import Quadratic
@@ -137,8 +137,9 @@ def fit_hypothesis(
 ) -> Fit:
     """Fit a hypothesis to the data of one stage.
 
-    A joint's own law that was added last is linearised anew about every end, until that is no
-    better; one that was there before stays linear about where it is.
+    A joint's own law that was added last is exact at every step, by slopes of near by; where these
+    bring little it is linearised anew, until that is no better. One that was there before stays
+    linear about where it is.
 
     Parameters
     ----------
@@ -182,40 +183,67 @@ def fit_hypothesis(
         about = linearised(hypothesis, stage.models, stage.lines, space.values(u))
         return once(about, start=space.values(u), resumed=None, max_iterations=max_iterations)
 
-    def at(values: Mapping[str, float]) -> Fit:
+    def anew(values: Mapping[str, float]) -> Fit:
         about = linearised(hypothesis, stage.models, stage.lines, values, last=True)
         return once(about, start=values, resumed=None, max_iterations=0)
 
-    used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
-
-    def cost_there(values: Mapping[str, float]) -> float:
+    def near(about: Fit, values: Mapping[str, float]) -> Fit | None:
+        """By the slopes that are known; None where swings do not stay finite."""
         try:
-            about = linearised(
-                hypothesis, stage.models, stage.lines, values, last=True, slopes=False
-            )
+            there = linearised_near(about.hypothesis, stage.models, stage.lines, values)
+            return once(there, start=values, resumed=None, max_iterations=0)
         except np.linalg.LinAlgError:
-            return float("inf")
-        return cost_of(stage, about, space, space.start(values), used)
+            return None
 
-    if resumed is not None and resumed.on == (stage, used):
-        best, damping = resumed, resumed.damping
-    else:
-        best, damping = at(space.values(u)), FIRST_DAMPING
+    used = tuple(range(len(stage.lines))) if postures is None else tuple(postures)
+    begun = resumed if resumed is not None and resumed.on == (stage, used) else None
+    return _by_slopes_near(
+        anew(space.values(u)) if begun is None else begun,
+        anew,
+        near,
+        max_iterations=max_iterations,
+        tolerance=tolerance,
+        is_hopeless=is_hopeless,
+    )
+
+
+def _by_slopes_near(
+    best: Fit,
+    anew: Callable[[Mapping[str, float]], Fit],
+    near: Callable[[Fit, Mapping[str, float]], Fit | None],
+    *,
+    max_iterations: int,
+    tolerance: float,
+    is_hopeless: Callable[[Fit], bool] | None,
+) -> Fit:
+    """Fit from where slopes are known, by these until they bring little.
+
+    `anew` makes them at values, `near` keeps a fit's; None where there is no cost.
+    """
+    space, damping = best.space, best.damping
+    is_new, converged = True, False  # whether slopes are those there
     for _ in range(max_iterations):
         if is_hopeless is not None and is_hopeless(best):
             break
         little = max(tolerance, _PART * best.cost)
         step, promised = damped_step(space, best.u, best.slope, best.curvature, damping)
-        if promised < _NOTHING * little:
-            return replace(best, converged=True)
-        trial = space.values(np.clip(best.u + step, space.low, space.high))
-        gained = best.cost - cost_there(trial)
-        damping = next_damping(damping, gained / promised)
-        if gained > 0.0:
-            best = replace(at(trial), damping=damping)
-            if gained < little:
-                return replace(best, converged=True)
-    return replace(best, damping=damping)
+        tried = promised >= _NOTHING * little
+        trial, gained = None, 0.0
+        if tried:
+            trial = near(best, space.values(np.clip(best.u + step, space.low, space.high)))
+            gained = -np.inf if trial is None else best.cost - trial.cost
+        converged = is_new and (not tried or 0.0 < gained < little)
+        if tried and (is_new or gained > 0.0):
+            damping = next_damping(damping, gained / promised)
+        if trial is not None and gained > 0.0:
+            best, is_new = trial, False
+        if converged:
+            break
+        if gained < little and not is_new:
+            best, is_new = anew(best.values), True
+    if not is_new:
+        best = anew(best.values)
+    return replace(best, damping=damping, converged=converged)
 
 
 def _fit(

@@ -50,11 +50,18 @@ from armodal.analyzer.gap.model.swings import (
 )
 from armodal.analyzer.gap.model.systems import systems
 
-__all__ = ["JointPosture", "joint_postures", "linearised", "linearised_about_each", "swings_of"]
+__all__ = [
+    "JointPosture",
+    "joint_postures",
+    "linearised",
+    "linearised_about_each",
+    "linearised_near",
+]
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
 
+_ENDLESS = "swings under this law do not stay finite"
 _TO_THE_MIDDLE = 2  # a law is of its joint's spring, which then is another
 
 
@@ -120,43 +127,40 @@ def linearised(
     return replace(hypothesis, instances=about)
 
 
-def _covers(instance: Instance, lines: Sequence[PostureLines]) -> bool:
-    return all(instance.linear_law(own) is not None for own in lines)
-
-
-def swings_of(
+def linearised_near(
     hypothesis: Hypothesis,
     models: Sequence[PosedModel],
     lines: Sequence[PostureLines],
     values: Mapping[str, float],
-) -> tuple[tuple[str, float, float], ...]:
-    """Largest turn in rad of each elastic joint under hits of the middle level, its rate over it.
+) -> Hypothesis:
+    """Return it with its last law exact at values, its slopes those of where it was linearised.
 
-    As a hypothesis without laws foretells it; lines with their hits' peaks.
+    A tenth of the work of new slopes, and near there they are nearly the same.
 
-    Returns
-    -------
-    Joint, rad and rad/s of each.
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If swings under the law do not stay finite there.
     """
-    ordinary = hypothesis.ordinary
-    joints = tuple(ordinary.arm.joints[i].name for i in ordinary.elastic)
-    postures = joint_postures(hypothesis, models, lines, values, joints)
-    first = {own.name: own for own in reversed(lines)}
-    # A joint swings most soon; at the end of the record what wraps around it is blown up.
-    t = STEPS.seconds[: len(STEPS.seconds) // 2]
-    found = []
-    for at, joint in enumerate(joints):
-        largest, rate = 0.0, 1.0
-        for name, posture in postures.items():
-            own = first[name]
-            forces = forces_of(own.peaks_n * np.exp(-own.level), own.width_s)
-            turns = free_turns(posture.swings[at], own.hit, forces)[:, : len(t)]
-            turn = turns[np.argmax(np.abs(turns).max(axis=1))]
-            if np.abs(turn).max() > largest:
-                largest = float(np.abs(turn).max())
-                rate = float(np.linalg.norm(np.gradient(turn, t)) / np.linalg.norm(turn))
-        found.append((joint, largest, rate))
-    return tuple(found)
+    *others, last = hypothesis.instances
+    law, about = last.law, last.about
+    if law is None or about is None:
+        raise ValueError(f"wanted a law that is linearised of {last.title}")
+    plain = replace(hypothesis, instances=tuple(i for i in hypothesis.instances if i.law is None))
+    postures = joint_postures(plain, models, lines, values, (law.joint,))
+    (followed,) = _followed(law, [(postures, [values])], lines)
+    if not _finite(followed):
+        raise np.linalg.LinAlgError(_ENDLESS)
+    groups = Postures.in_groups(models, lines, range(len(lines)))
+    springs = {key: (own.log_k, own.log_c) for key, own in about.table.items()}
+    exact = _beside(plain, law, groups, lines, values, followed, {}, springs)
+    table = {key: replace(own, by=about.table[key].by) for key, own in exact.table.items()}
+    there = Linearised(values={name: values[name] for name in about.values}, table=table)
+    return replace(hypothesis, instances=(*others, replace(last, about=there)))
+
+
+def _covers(instance: Instance, lines: Sequence[PostureLines]) -> bool:
+    return all(instance.linear_law(own) is not None for own in lines)
 
 
 def _about(
@@ -186,7 +190,7 @@ def _about(
     groups = Postures.in_groups(models, lines, range(len(lines)))
     followed, *beside = _followed(law, cases, lines)
     if not all(_finite(swung) for swung in (followed, *beside)):
-        raise np.linalg.LinAlgError("swings under this law do not stay finite")
+        raise np.linalg.LinAlgError(_ENDLESS)
     per_unit = {name: 1.0 / (ends[1][name] - ends[0][name]) for name, ends in steps.items()}
     about = _beside(plain, law, groups, lines, values, followed, per_unit)
     if not slopes:
@@ -283,10 +287,16 @@ def _beside(
     values: Mapping[str, float],
     followed: Sequence[tuple[Array, Array]],
     slopes: Mapping[str, float],
+    springs: Mapping[tuple[object, ...], tuple[float, float]] | None = None,
 ) -> Linearised:
-    """Springs and dampers in the law's place, and what is added to their response."""
+    """Springs and dampers in the law's place, and what is added to their response.
+
+    `springs`: what they add to ln k and ln c, by the lines' key; else those nearest to the law.
+    """
     joint = law.joint
-    springs = dict(zip([own.key for own in lines], _in_place(law, values, followed), strict=True))
+    if springs is None:
+        keys = [own.key for own in lines]
+        springs = dict(zip(keys, _in_place(law, values, followed), strict=True))
     near = with_springs(plain, joint, springs)
     nearly = {
         p: response

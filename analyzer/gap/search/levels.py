@@ -17,7 +17,7 @@ from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.inference.fit import Fit, Stage, fit_hypothesis
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
-from armodal.analyzer.gap.model.linearised import swings_of
+from armodal.analyzer.gap.model.largest_swings import swings_of
 from armodal.analyzer.gap.model.lines import PostureLines, scatter
 from armodal.analyzer.gap.model.weigh import Discrepancy
 from armodal.analyzer.gap.search.scan import LOOK, Candidate, scan_instances
@@ -57,7 +57,7 @@ class Apart:
     # Nats of cost that a common change of one joint with the level promises; infinite where the
     # model has a law.
     gain: float
-    swings: tuple[tuple[str, float, float], ...]  # of each joint (`linearised.swings_of`)
+    swings: tuple[tuple[str, float, float], ...]  # of each joint (`largest_swings.swings_of`)
 
 
 def told_apart(

@@ -19,7 +19,8 @@ from armodal.analyzer.gap.model.hit_levels import middle_level
 from armodal.analyzer.gap.model.hypothesis import Hypothesis
 from armodal.analyzer.gap.model.joint_laws import Bent, Play, Sliders
 from armodal.analyzer.gap.model.joint_turns import holding_back
-from armodal.analyzer.gap.model.linearised import linearised, swings_of
+from armodal.analyzer.gap.model.largest_swings import swings_of
+from armodal.analyzer.gap.model.linearised import linearised
 from armodal.analyzer.gap.model.lines import Annealing, own_lines
 from armodal.analyzer.gap.model.march import march
 from armodal.analyzer.gap.model.ordinary import Ordinary

@@ -40,7 +40,8 @@ def test_a_body_on_a_joints_axis_is_on_both_its_links(ordinary, lines, posed, of
     masses, one = [], []
     for joint, instance, other, place in zip(joints, both, both[::-1], places, strict=True):
         hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
-        mass, *moments, radius = (p.name for p in instance.parameters)
+        mass, *rest = (p.name for p in instance.parameters)
+        moments, radius = rest[:3], rest[3]
         values = start_of(hypothesis) | {mass: 1.0, radius: 0.0}
         first = (place - joint.link.center_m).tolist()
         values |= dict(zip(moments, first, strict=True))
