@@ -39,7 +39,7 @@ def test_the_changes_that_matter_are_found_with_few_runs(count):
     own = ablation.Ablation(lines, EVERY)
     assert [c for c in EVERY if own.alike(c, 0) is False] == found
     assert [c for c in EVERY if own.alike(c, 0)] == [c for c in moved if c not in found]
-    # Two for each halving, six of which lead to one of 35; then the first two.
+    # Two for each halving, six of which lead to one of the others; then the first two.
     assert len(lines) <= 2 + count * 2 * 6
     assert own.only_together([0]) == 0
 

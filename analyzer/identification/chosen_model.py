@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from armodal.analyzer.arm.structure import Axis, Structure, believed_structure
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.corrected.held import HeldArm
+from armodal.analyzer.gap.decision.calibration import FALSE_NAME
 from armodal.analyzer.identification.axis_search import best_axis_fit, start_state, why_no_axis
 from armodal.analyzer.identification.beside_ordinary import BesideOrdinary, fit_beside_ordinary
 from armodal.analyzer.identification.frf_fit import FrfFit, fit_frfs
@@ -159,14 +160,13 @@ def _with_axis(
 ) -> tuple[BesideOrdinary, str | None]:
     """The fit with an axis too, and why the axis is none."""
     richer = beside.with_axis(axis)
-    gain, limit = beside.fit.evidence - richer.fit.evidence, beside.axis_limit_nats(richer)
-    if gain > limit:
+    if beside.fit.evidence - richer.fit.evidence > beside.axis_limit_nats(richer):
         return richer, None
     link = superset.arm.joints[axis.link].link.name
     return richer, (
         f"an axis in {link} was looked for and left out: beside bearings, links and base that "
-        f"give way in any sound arm it brings {gain:.0f} nats of evidence, and {limit:.0f} are "
-        "what chance may bring"
+        "give way in any sound arm it explains no more than chance does in "
+        f"{FALSE_NAME:.0%} of sound sessions"
     )
 
 

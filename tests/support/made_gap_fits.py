@@ -24,7 +24,6 @@ def made_fit(hypothesis, *, cost, space=None, u=(), misfit=None, resting=()):
         space=space,
         u=np.array(u, dtype=float),
         cost=cost,
-        first_cost=cost,
         misfit=(cost,) if misfit is None else misfit,
         curvature=np.zeros((n, n)),
         slope=np.zeros(n),

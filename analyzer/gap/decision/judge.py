@@ -1,9 +1,8 @@
-"""The verdict: named, ambiguous, nothing detectable, or outside the library.
+"""Which rivals stand after one step, and which of them has a name.
 
-Three rules, all needed (each alone gave wrong names): a rival is named when the evidence for it is
-clear and no other stands beside it, when it is large enough to matter, and when postures are
-foretold better from each other with it. And whatever was named, a misfit far above what
-ordinary errors leave says that something is missing which the library does not know.
+It has one when the evidence for it is clear and no other stands beside it, when it is large enough
+to matter (`naming.py`), and when postures are foretold better from each other with it. What a
+misfit far above what ordinary errors leave says is for the verdict (`verdict.py`).
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ class Judged:
     standing: tuple[Fit, ...]  # ambiguous with each other where more than one
     phi: float  # of the data's variance: what errors are worth over independent ones
     calibration: Calibration
-    doubted: bool = False  # the first fits better, but held-out postures speak against it
+    doubted: bool = False  # the first fits better, but postures or its misfit speak against it
     confidence: float = 1.0  # of what is named: by its evidence over that of others, tempered
 
 

@@ -16,7 +16,7 @@ from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["WORDS", "laws"]
 
-_STD = 0.5  # likewise
+_STD = 0.5  # of the joint's spring, the part that has the play
 _LN_HALF, _LN_HALF_STD, _LN_HALF_LEAST, _LN_HALF_MOST = -1.0, 1.5, -5.0, 1.0  # of a middle swing
 
 WORDS = EffectWords(

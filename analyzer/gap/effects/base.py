@@ -32,7 +32,7 @@ WORDS = EffectWords(
     told_by="a sensor on the base plate and one on the floor beside it",
     remedy="retorque the base bolts, grout or shim the plate, or test on a stiffer foundation",
 )
-_START = 0.05  # likewise of rocking: from nothing a fit finds its way slowly
+_START = 0.05  # of the arm's compliance, rocking: from nothing a fit finds its way slowly
 # Of its bolts, about the foot. No source: assumed.
 _PIVOT_STD_M = 0.1
 _UP = skew(np.array([0.0, 0.0, 1.0]))

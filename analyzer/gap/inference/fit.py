@@ -58,7 +58,6 @@ class Fit:
     space: Space
     u: Array  # (n,)
     cost: float  # chi^2 / 2 + prior
-    first_cost: float  # where the fit began
     misfit: tuple[float, ...]  # chi^2 / 2 of each posture used
     curvature: Array  # (n, n) of the data at u
     slope: Array  # (n,) of the cost; not zero at bounds
@@ -66,6 +65,7 @@ class Fit:
     converged: bool
     n_iterations: int
     damping: float = FIRST_DAMPING  # that its next step would have
+    is_near: bool = False  # a law's slopes, and so its curvature, are those of near by
     on: tuple[Stage, tuple[int, ...]] | None = None  # where slope and curvature are those at u
 
     @property
@@ -151,7 +151,7 @@ def fit_hypothesis(
         Stop when a step gains less than this in cost, or than a very small part of it.
     closing
         Take misfit, slope and curvature at the end; else they are those where the last step began,
-        enough for a fit that only tells by its cost whether to go on.
+        of a law those of near by: enough for a fit that only tells whether to go on.
     resumed
         A fit of the same hypothesis whose end is the start: on the same lines it need not be
         evaluated again.
@@ -203,6 +203,7 @@ def fit_hypothesis(
         near,
         max_iterations=max_iterations,
         tolerance=tolerance,
+        closing=closing,
         is_hopeless=is_hopeless,
     )
 
@@ -214,6 +215,7 @@ def _by_slopes_near(
     *,
     max_iterations: int,
     tolerance: float,
+    closing: bool,
     is_hopeless: Callable[[Fit], bool] | None,
 ) -> Fit:
     """Fit from where slopes are known, by these until they bring little.
@@ -221,7 +223,7 @@ def _by_slopes_near(
     `anew` makes them at values, `near` keeps a fit's; None where there is no cost.
     """
     space, damping = best.space, best.damping
-    is_new, converged = True, False  # whether slopes are those there
+    is_new, converged = not best.is_near, False  # whether slopes are those there
     for _ in range(max_iterations):
         if is_hopeless is not None and is_hopeless(best):
             break
@@ -241,9 +243,9 @@ def _by_slopes_near(
             break
         if gained < little and not is_new:
             best, is_new = anew(best.values), True
-    if not is_new:
-        best = anew(best.values)
-    return replace(best, damping=damping, converged=converged)
+    if not is_new and (closing or converged):
+        best, is_new = anew(best.values), True
+    return replace(best, damping=damping, converged=converged, is_near=not is_new)
 
 
 def _fit(
@@ -269,7 +271,7 @@ def _fit(
         now = Quadratic(cost=sum(misfit), gradient=resumed.slope - u, curvature=resumed.curvature)
     else:
         now, misfit = stage.whole_quadratic(hypothesis, space, space.values(u), used)
-    cost = first_cost = now.cost + 0.5 * float(u @ u)
+    cost = now.cost + 0.5 * float(u @ u)
     converged = False
     iteration = 0
     moved = False
@@ -281,7 +283,6 @@ def _fit(
             space=space,
             u=u,
             cost=cost,
-            first_cost=first_cost,
             misfit=misfit,
             curvature=now.curvature,
             slope=slope,

@@ -148,11 +148,6 @@ class Instance:
         """Return name and place."""
         return self.effect.name, self.place
 
-    @property
-    def adds_term(self) -> bool:
-        """Return whether it changes the equations, rather than what was measured."""
-        return bool(self.parameters) or self.is_term
-
     def relaxed(self, space: Space) -> tuple[Parameter, ...]:
         """Return the priors it widens, of those the space has."""
         return tuple(p for name, p in self.relaxes.items() if name in space.index)

@@ -36,7 +36,8 @@ class Race:
         start: Mapping[str, float] | None = None,
         resumed: Fit | None = None,
     ) -> Fit:
-        """Some steps of a fit."""
+        """Some steps of a fit; a law's slopes may be left as they are near its end."""
+        is_law = any(last.law is not None for last in hypothesis.instances[-1:])
         return self.met(
             fit_hypothesis(
                 self.stage,
@@ -44,6 +45,7 @@ class Race:
                 start=start,
                 resumed=resumed,
                 max_iterations=STEPS,
+                closing=not is_law,
                 is_hopeless=self.is_hopeless,
             )
         )
