@@ -32,7 +32,7 @@ def findings(result: Identification, gap: GapResult | None) -> tuple[Finding, ..
 
 def _of_gap(gap: GapResult) -> tuple[Finding, ...]:
     found = [
-        Finding(text=effect_sentence(effect), sure=f"Certainty {certainty(effect)}.")
+        Finding(text=effect_sentence(effect), sure=f"Certainty {certainty(effect.confidence)}.")
         for effect in gap.effects
     ]
     if gap.verdict is not Verdict.NAMED:

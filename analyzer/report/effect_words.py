@@ -234,11 +234,9 @@ def _told(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def certainty(effect: EffectFound) -> str:
+def certainty(confidence: float) -> str:
     """Return the probability that it is this effect and no other one of the library, in words."""
-    if effect.confidence > _ALMOST_SURE:
-        return "above 99.9 %"
-    return f"{100.0 * effect.confidence:.3g} %"
+    return "above 99.9 %" if confidence > _ALMOST_SURE else f"{100.0 * confidence:.3g} %"
 
 
 def chance(probability: float | None) -> str:

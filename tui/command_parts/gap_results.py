@@ -17,13 +17,21 @@ from rich.text import Text
 from armodal.analyzer.arm.same_parts import check_same_parts
 from armodal.analyzer.corrected.to_file import arm_with, filed
 from armodal.analyzer.gap.add import added_effects, joint_estimates
-from armodal.analyzer.gap.records import EffectFound, GapResult, PostureGap, RivalRow, Verdict
+from armodal.analyzer.gap.records import (
+    EffectFound,
+    GapResult,
+    Hidden,
+    PostureGap,
+    RivalRow,
+    Verdict,
+)
 from armodal.analyzer.gap.workflow import GapOutcome
 from armodal.analyzer.report import gap_path, gap_to_json
 from armodal.analyzer.report.effect_words import (
     certainty,
     chance,
     effect_sentence,
+    hidden_in_words,
     mechanics_of,
     weight,
 )
@@ -212,12 +220,28 @@ def gap_tables(result: GapResult) -> list[RenderableType]:
             f"{row.k_std:.0f}",
             f"  {row.low:.0f} to {row.high:.0f}",
         )
-    return [*parts, table, _gap_table(result.gap_before, result.gap_after)]
+    parts += [table, _gap_table(result.gap_before, result.gap_after)]
+    if result.hidden:
+        parts.append(_hidden_lines(result.hidden))
+    return parts
+
+
+def _hidden_lines(hidden: Sequence[Hidden]) -> Text:
+    """How large what was not found could be: of each effect the place where most could hide."""
+    lines = ["What could hide (95 %), where most of each could; all places are in the report:"]
+    of_a_kind: dict[tuple[str, str], Hidden] = {}
+    for row in sorted(hidden, key=lambda row: row.largest):
+        of_a_kind[row.title or row.name, row.unit] = row
+    for (title, _), most in sorted(of_a_kind.items()):
+        name, size = hidden_in_words(most.parameter, most.largest, most.unit)
+        place = f" ({most.place})" if most.place else ""
+        lines.append(f"  {title}{place}: {most.words or name} {size}")
+    return Text("\n".join([*lines, ""]))
 
 
 def _effect_lines(effect: EffectFound) -> Text:
     """What was named, in the words of mechanics."""
-    lines = [effect_sentence(effect), f"  certainty {certainty(effect)}"]
+    lines = [effect_sentence(effect), f"  certainty {certainty(effect.confidence)}"]
     lines += [f"  by chance {chance(effect.false_name_probability)}"]
     lines += [f"  {what}: {words}" for what, words in mechanics_of(effect)]
     return Text("\n".join([*lines, ""]))

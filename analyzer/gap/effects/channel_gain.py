@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.ordinary import Ordinary
 from armodal.analyzer.gap.model.space import Parameter
 
-__all__ = ["WORDS", "at_point", "instances"]
+__all__ = ["WORDS", "at_point", "instances", "of_file", "together"]
 
 WORDS = EffectWords(
     name="channel_gain",
@@ -27,6 +27,7 @@ _MATERIAL = 0.05
 # A sensor some millimetres off, or tilted, at one point looks like 6 % there.
 _MATERIAL_AT_POINT = 0.08
 _WIDE = 0.4
+_GROUPS = ("xyz", "x", "y", "z")
 
 
 def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
@@ -46,37 +47,64 @@ def instances(ordinary: Ordinary) -> tuple[Instance, ...]:
     )
 
 
-def at_point(ordinary: Ordinary, axis: str, point: str) -> Instance:
-    """A gain of one channel at one point alone: its mounting, its cable there."""
-    name = f"ln gain {axis} at {point}"
+def at_point(ordinary: Ordinary, axes: str, point: str) -> Instance:
+    """Gains at one point alone: its mounting, its cable there.
+
+    Parameters
+    ----------
+    axes
+        One channel, ``"x"``; more with a gain each, ``"x, z"``; all with one gain, ``"xyz"``, or
+        with one more than that, ``"xyz, x"``.
+    """
+    groups = axes.split(", ")
+    names = [f"ln gain {group} at {point}" for group in groups]
     index = ordinary.superset.point_index[point]
-    row = "xyz".index(axis)
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
         if assembly.mix is None:
             return
         mix = np.array(assembly.mix)
-        mix[assembly.lines.sensor_point == index, row] *= np.exp(values[name])
+        for group, name in zip(groups, names, strict=True):
+            for axis in group:
+                mix[assembly.lines.sensor_point == index, "xyz".index(axis)] *= np.exp(values[name])
         assembly.mix = mix
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
         del values
-        return {"axis": axis, "sensor_point": point}
+        return {"axis": axes, "sensor_point": point}
 
     return Instance(
         effect=WORDS,
-        place=f"axis {axis} at point {point}",
-        parameters=(Parameter(name=name, unit="", mean=0.0, std=_WIDE),),
+        place=f"{'axis' if len(axes) == 1 else 'axes'} {axes} at point {point}",
+        parameters=tuple(Parameter(name=n, unit="", mean=0.0, std=_WIDE) for n in names),
         builder=build,
         describe=describe,
-        size=name,
+        size=names[0],
+        sizes=tuple(names) if len(names) > 1 else (),
         material=_MATERIAL_AT_POINT,
     )
 
 
+def together(ordinary: Ordinary, first: Instance, second: Instance) -> Instance | None:
+    """Return the one finding that gains of one sensor at one point are; None for others."""
+    groups, points = [], []
+    for instance in (first, second):
+        if instance.effect is not WORDS or instance.describe is None:
+            return None
+        told = instance.describe({})
+        groups += str(told["axis"]).split(", ")
+        points.append(str(told["sensor_point"]))
+    return at_point(ordinary, _in_order(groups), points[0]) if points[0] == points[1] else None
+
+
 def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance | None:
-    """Return the gain at one point that an arm file describes; None where it does not."""
-    axis, point = description.get("axis"), description.get("sensor_point")
-    if axis not in ("x", "y", "z") or point not in ordinary.superset.point_index:
+    """Return the gains at one point that an arm file describes; None where it does not."""
+    axes, point = description.get("axis"), description.get("sensor_point")
+    if not isinstance(axes, str) or point not in ordinary.superset.point_index:
         return None
-    return at_point(ordinary, str(axis), str(point))
+    is_known = axes and axes == _in_order(axes.split(", "))
+    return at_point(ordinary, axes, str(point)) if is_known else None
+
+
+def _in_order(groups: Sequence[str]) -> str:
+    return ", ".join(group for group in _GROUPS if group in groups)

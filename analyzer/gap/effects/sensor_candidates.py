@@ -28,12 +28,13 @@ LEAST_GAIN = 12.0  # of cost, to be worth a fit
 _LEAST_POINT_GAIN = 0.03  # relative; less is not worth a fit
 _KEEP_POINTS = 3
 _KEEP_EVERYWHERE = 2
+_AXES = ("x", "y", "z", "xyz")
 
 
 def channel_candidates(
     stage: Stage, hypothesis: Hypothesis, values: Mapping[str, float]
 ) -> list[Candidate]:
-    """Faults of axes and single gains that would lower the cost, best first."""
+    """Faults of axes and gains that would lower the cost, best first."""
     ordinary = hypothesis.ordinary
     n_points = len(ordinary.arm.points)
     table = np.zeros((n_points, 3, 3, 2))
@@ -75,12 +76,15 @@ def _at_points(
     for point in np.argsort(-gains[np.arange(len(best)), best])[:_KEEP_POINTS]:
         name = ordinary.arm.points[point].id
         found.append(_turned(ordinary, int(best[point]), name, float(gains[point, best[point]])))
+    # Of each channel, and of all three by one gain.
+    slope = np.column_stack([slope, slope.sum(axis=1)])
+    curve = np.column_stack([curve, curve.sum(axis=1)])
     single = 0.5 * slope**2 / (curve + 1.0)
     for flat in np.argsort(-single, axis=None)[:_KEEP_POINTS]:
-        point, row = divmod(int(flat), 3)
+        point, row = divmod(int(flat), len(_AXES))
         if abs(slope[point, row]) < _LEAST_POINT_GAIN * (curve[point, row] + 1.0):
             continue
-        instance = channel_gain.at_point(ordinary, "xyz"[row], ordinary.arm.points[point].id)
+        instance = channel_gain.at_point(ordinary, _AXES[row], ordinary.arm.points[point].id)
         found.append(Candidate(instance=instance, gain=float(single[point, row])))
     return found
 

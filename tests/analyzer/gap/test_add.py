@@ -100,6 +100,18 @@ def test_a_parameter_in_another_unit_is_refused(ordinary):
         instances_of_file(Ordinary(superset=Superset(arm), postures=("p",)))
 
 
+@pytest.mark.parametrize("axes", ["y", "x, z", "xyz"])
+def test_gains_at_a_point_come_back(ordinary, axes):
+    described = told(ordinary, at_point(ordinary, axes, "k2"))
+    assert described.owned == tuple(f"ln gain {own} at k2" for own in axes.split(", "))
+
+
+@pytest.mark.parametrize("axes", ["", "z, x", "xx", "w"])
+def test_gains_of_no_axes_of_a_sensor_are_refused(ordinary, axes):
+    with pytest.raises(ArmError, match="not one the library has there"):
+        told(ordinary, at_point(ordinary, "y", "k2"), axis=axes)
+
+
 def test_a_point_the_arm_does_not_have_is_refused(ordinary):
     instance = at_point(ordinary, "y", "k2")
     with pytest.raises(ArmError, match="not one the library has there"):

@@ -25,7 +25,7 @@ from armodal.study.score import mark, size_found
 @pytest.fixture(scope="module")
 def hidden():
     """An axis in a link; one posture more, with a known mass on the last link, is held out."""
-    case = small_case(2, "bench57", "link_axis", of=FourPostures)
+    case = small_case(5, "bench57", "link_axis", of=FourPostures)
     laboratory = SimulatedLaboratory(case=case)
     session = laboratory.measure(None, 1)
     last = case.arm.joints[-1].link
@@ -63,6 +63,7 @@ def test_a_hidden_axis_is_named_and_its_size_found(hidden, found):
 def test_the_gap_shrinks_on_postures_that_were_not_fitted(found):
     for before, after in zip(found.gap_before, found.gap_after, strict=True):
         if after.held_out:
+            assert before.frf_error > before.floor  # else there is no gap that could shrink
             assert after.frf_error < before.frf_error / 2
 
 
@@ -196,3 +197,29 @@ def test_a_level_that_a_turned_axis_hid_is_looked_for_again():
     result = find_gap(case.session(), gates=False, modes=False, advice=False).result
     assert mark(json.loads(case.open_truth()), result).outcome == "right"
     assert any("soft and hard hits were analysed separately" in note for note in result.notes)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("factors", "place"),
+    [((1.35, 1.35, 1.35), "axes xyz at point 15"), ((1.0, 0.7, 1.2), "axes y, z at point 11")],
+)
+def test_channels_of_one_mounting_are_one_finding(factors, place):
+    """Each a name of its own they would be three effects; by one gain, a point 8 cm off."""
+    session = small_case(4, "rv4frl").session()
+    point = place.split()[-1]
+    hits = tuple(
+        replace(hit, counts=np.rint(hit.counts * [1.0, *factors]).astype(np.int32))
+        if hit.sensor_point == point
+        else hit
+        for hit in session.hits
+    )
+    result = find_gap(replace(session, hits=hits), gates=False, modes=False, advice=False).result
+    assert result.verdict is Verdict.NAMED
+    (effect,) = result.effects
+    assert (effect.name, effect.place) == ("channel_gain", place)
+    wrong = sorted({float(np.log(factor)) for factor in factors} - {0.0})
+    for own, true in zip(
+        sorted(effect.parameters.values(), key=lambda p: p.value), wrong, strict=True
+    ):
+        assert own.low < true < own.high

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from armodal.analyzer.gap.records import Interval, LineDeviation
-from armodal.analyzer.report.effect_words import chance, hidden_in_words, mechanics
+from armodal.analyzer.report.effect_words import certainty, chance, hidden_in_words, mechanics
 from armodal.protocols.printable import printable
 from armodal.tui.fitting_table import FittingTable
 from armodal.tui.screens.review.gap_map import gap_map
@@ -84,8 +84,11 @@ def _effects(found: Mapping[str, Any]) -> RenderableType | None:
     lines: list[tuple[str, str] | str] = []
     for row in _rows(found, "effects"):
         sure = row.get("confidence")
-        told = f", {_sure(sure)} sure" if isinstance(sure, (int, float)) else ""
+        told = f", {certainty(sure)} sure" if isinstance(sure, (int, float)) else ""
         lines.append((f"{_name(row)}{told}\n", "bold"))
+        by_chance = row.get("false_name_probability")
+        if isinstance(by_chance, (int, float)):
+            lines.append(f"  by chance: {chance(by_chance)} of sessions without it look as clear\n")
         lines += [f"  {what}: {words}\n" for what, words in _mechanics(row)]
         if row.get("remedy"):
             lines.append(f"  do now: {row['remedy']}\n")
@@ -138,10 +141,6 @@ def _words(told: object) -> dict[str, str]:
     if not isinstance(told, Mapping):
         return {}
     return {str(name): str(words) for name, words in told.items()}
-
-
-def _sure(share: float) -> str:
-    return "more than 99 %" if share > 0.99 else f"{100 * share:.0f} %"
 
 
 def _error(row: Mapping[str, Any] | None) -> float | None:
