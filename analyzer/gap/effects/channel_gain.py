@@ -53,10 +53,10 @@ def at_point(ordinary: Ordinary, axes: str, point: str) -> Instance:
     Parameters
     ----------
     axes
-        One channel, ``"x"``; more with a gain each, ``"x, z"``; all with one gain, ``"xyz"``, or
-        with one more than that, ``"xyz, x"``.
+        One channel, ``"x"``; more with a gain each, ``"x+z"``; all with one gain, ``"xyz"``; or one
+        of them with more than that, ``"xyz+x"``.
     """
-    groups = axes.split(", ")
+    groups = axes.split("+")
     names = [f"ln gain {group} at {point}" for group in groups]
     index = ordinary.superset.point_index[point]
 
@@ -92,7 +92,7 @@ def together(ordinary: Ordinary, first: Instance, second: Instance) -> Instance 
         if instance.effect is not WORDS or instance.describe is None:
             return None
         told = instance.describe({})
-        groups += str(told["axis"]).split(", ")
+        groups += str(told["axis"]).split("+")
         points.append(str(told["sensor_point"]))
     return at_point(ordinary, _in_order(groups), points[0]) if points[0] == points[1] else None
 
@@ -102,9 +102,9 @@ def of_file(ordinary: Ordinary, description: Mapping[str, object]) -> Instance |
     axes, point = description.get("axis"), description.get("sensor_point")
     if not isinstance(axes, str) or point not in ordinary.superset.point_index:
         return None
-    is_known = axes and axes == _in_order(axes.split(", "))
+    is_known = axes and axes == _in_order(axes.split("+"))
     return at_point(ordinary, axes, str(point)) if is_known else None
 
 
 def _in_order(groups: Sequence[str]) -> str:
-    return ", ".join(group for group in _GROUPS if group in groups)
+    return "+".join(group for group in _GROUPS if group in groups)

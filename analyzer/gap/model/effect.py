@@ -192,10 +192,13 @@ class Instance:
     def goes_with(self, others: Iterable[Instance]) -> bool:
         """Return whether it can be added to those that are there.
 
-        It excludes none, and is not what the form of one may leave at the same place or its ends.
+        It excludes none, has no parameter that one has, and is not what the form of one may leave
+        at the same place or its ends.
         """
+        names = {p.name for p in self.parameters}
         return not any(
             self.excludes(other)
+            or any(p.name in names for p in other.parameters)
             or (
                 self.place in (other.place, *other.ends_at)
                 and self.effect.name in other.effect.leaves_here

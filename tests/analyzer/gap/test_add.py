@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.add import instances_of_file
+from armodal.analyzer.gap.add import file_key, instances_of_file
 from armodal.analyzer.gap.effects import link_axis
 from armodal.analyzer.gap.effects.channel_gain import at_point
 from armodal.analyzer.gap.effects.sensor_axes import turned_sensor
@@ -100,13 +100,15 @@ def test_a_parameter_in_another_unit_is_refused(ordinary):
         instances_of_file(Ordinary(superset=Superset(arm), postures=("p",)))
 
 
-@pytest.mark.parametrize("axes", ["y", "x, z", "xyz"])
+@pytest.mark.parametrize("axes", ["y", "x+z", "xyz", "xyz+x"])
 def test_gains_at_a_point_come_back(ordinary, axes):
     described = told(ordinary, at_point(ordinary, axes, "k2"))
-    assert described.owned == tuple(f"ln gain {own} at k2" for own in axes.split(", "))
+    assert described.owned == tuple(f"ln gain {own} at k2" for own in axes.split("+"))
+    keys = {file_key(name, described.place) for name in described.owned}
+    assert len(keys) == len(described.owned)
 
 
-@pytest.mark.parametrize("axes", ["", "z, x", "xx", "w"])
+@pytest.mark.parametrize("axes", ["", "z+x", "xx", "w", "x, z"])
 def test_gains_of_no_axes_of_a_sensor_are_refused(ordinary, axes):
     with pytest.raises(ArmError, match="not one the library has there"):
         told(ordinary, at_point(ordinary, "y", "k2"), axis=axes)

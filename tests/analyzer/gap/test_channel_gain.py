@@ -18,9 +18,9 @@ def ordinary():
 def test_gains_at_one_point_are_one_finding(ordinary):
     z, x, y = (channel_gain.at_point(ordinary, axis, "14") for axis in "zxy")
     two = together(ordinary, z, x)
-    assert two.place == "axes x, z at point 14"
+    assert two.place == "axes x+z at point 14"
     every = together(ordinary, two, y)
-    assert every.place == "axes x, y, z at point 14"
+    assert every.place == "axes x+y+z at point 14"
     assert every.owned == tuple(f"ln gain {axis} at 14" for axis in "xyz")
 
 
@@ -31,7 +31,7 @@ def test_each_channel_has_its_own_gain(ordinary):
 
     made = Made()
     point = ordinary.arm.points[3].id
-    both = channel_gain.at_point(ordinary, "x, z", point)
+    both = channel_gain.at_point(ordinary, "x+z", point)
     both.builder(made, dict(zip(both.owned, np.log([0.5, 2.0]), strict=True)))
     np.testing.assert_array_equal(made.mix[0], np.eye(3))
     np.testing.assert_allclose(made.mix[1], np.diag([0.5, 1.0, 2.0]), rtol=1e-15)
@@ -46,7 +46,7 @@ def test_a_whole_sensor_may_have_one_gain(ordinary):
 
 
 def test_it_is_as_large_as_the_largest_of_them(ordinary):
-    both = channel_gain.at_point(ordinary, "x, y", "14")
+    both = channel_gain.at_point(ordinary, "x+y", "14")
     x, y = both.owned
     assert both.is_material({x: 0.0, y: -0.3})
     assert not both.is_material({x: 0.01, y: 0.01})
@@ -59,3 +59,10 @@ def test_gains_elsewhere_and_other_effects_stay_apart(ordinary):
     assert together(ordinary, here, everywhere) is None
     turn = sensor_axes.turned_sensor(ordinary, np.diag([1.0, -1.0, 1.0]), "14")
     assert together(ordinary, here, turn) is None
+
+
+def test_a_gain_that_is_there_is_not_sought_again(ordinary):
+    both = channel_gain.at_point(ordinary, "x+y", "14")
+    assert not channel_gain.at_point(ordinary, "y", "14").goes_with((both,))
+    assert channel_gain.at_point(ordinary, "z", "14").goes_with((both,))
+    assert channel_gain.at_point(ordinary, "y", "15").goes_with((both,))

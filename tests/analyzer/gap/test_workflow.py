@@ -208,7 +208,7 @@ def test_a_level_that_a_turned_axis_hid_is_looked_for_again(monkeypatch):
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("factors", "place"),
-    [((1.35, 1.35, 1.35), "axes xyz at point 15"), ((1.0, 0.7, 1.2), "axes y, z at point 11")],
+    [((1.35, 1.35, 1.35), "axes xyz at point 15"), ((1.0, 0.7, 1.2), "axes y+z at point 11")],
 )
 def test_channels_of_one_mounting_are_one_finding(factors, place):
     """Each a name of its own they would be three effects; by one gain, a point 8 cm off."""
