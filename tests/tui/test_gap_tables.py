@@ -39,7 +39,9 @@ def test_what_could_hide_is_told_where_most_of_it_could():
     assert "Delay: delay no more than 8.87e-06 s" in found
     assert "Unmodelled mass on a link (l3): mass no more than 0.500 kg" in found
     assert "l2" not in found
+    # Beside a name it is in the report.
+    assert "hide" not in printed(replace(made_result("named", ("rotor",)), hidden=tuple(rows)))
 
 
 def test_where_nothing_could_hide_there_is_no_heading():
-    assert "could hide" not in printed(made_result("named", ("payload",)))
+    assert "could hide" not in printed(made_result("nothing_detectable", ()))

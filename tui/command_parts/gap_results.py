@@ -221,7 +221,7 @@ def gap_tables(result: GapResult) -> list[RenderableType]:
             f"  {row.low:.0f} to {row.high:.0f}",
         )
     parts += [table, _gap_table(result.gap_before, result.gap_after)]
-    if result.hidden:
+    if result.hidden and not result.effects:
         parts.append(_hidden_lines(result.hidden))
     return parts
 
