@@ -194,7 +194,7 @@ def test_a_window_that_only_the_sharp_lines_tell_is_named(magnitude):
 def test_a_level_that_a_turned_axis_hid_is_looked_for_again(monkeypatch):
     """One sensor axis turned leaves so much that no joint's change with the level stands out.
 
-    Without laws what is looked for again stays unfollowed; with them: `bench/bench_hidden_level.py`.
+    Without laws what is looked for stays unfollowed; with them: `bench/bench_hidden_level.py`.
     """
     monkeypatch.setattr(rivals, "fitted_laws", lambda *_, **__: [])
     kinds = ("microslip", "flipped_axis")
