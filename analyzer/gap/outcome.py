@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from armodal.analyzer.gap.decision.added_effect import Step
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.decision.matters import matters
 from armodal.analyzer.gap.decision.recurrence import recurrence
 from armodal.analyzer.gap.decision.verdict import verdict_of
@@ -86,7 +86,7 @@ def conclude(
     test: tuple[int, ...],
     gates: tuple[Gate, ...],
     notes: list[str],
-    limits: Thresholds,
+    false_name: float,
     assumed: str,
     sessions: tuple[int, ...],
     plan: Plan | None,
@@ -101,16 +101,14 @@ def conclude(
     misfit = misfit_per_line(sharp, final)
     standing = judged.standing
     calibration = judged.calibration
-    leaves = partial(misfit_of_replicas, sharp, beyond=limits.false_name)
+    leaves = partial(misfit_of_replicas, sharp, beyond=false_name)
     disagreement = dispersion(sharp, final)
     spread = max(judged.phi, disagreement)
     # Of effects, errors that all postures share, which no disagreement shows: as of replicas.
     n_postures = len({lines.name for lines in sharp.lines})
     shared = max(judged.phi, n_postures * disagreement)
     effects = tuple(_effect(step, final, shared) for step in named)
-    verdict, why = verdict_of(
-        sharp, final, found, judged, named=bool(named), leaves=leaves, limits=limits
-    )
+    verdict, why = verdict_of(sharp, final, found, judged, named=bool(named), leaves=leaves)
     if verdict is not Verdict.NAMED and effects:
         found_on_the_way = "; ".join(effect.title for effect in effects)
         why = [*why, f"found on the way, but no name: {found_on_the_way}"]

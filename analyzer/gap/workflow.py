@@ -25,7 +25,6 @@ from armodal.analyzer.gap.decision.data_requirements import (
 )
 from armodal.analyzer.gap.decision.judge import (
     Judged,
-    Thresholds,
     ends_alike,
     one_mechanism,
 )
@@ -89,7 +88,6 @@ def find_gap(
         If the session cannot carry the judgement: fewer than two postures with known angles, too
         few points, an arm without an elastic joint.
     """
-    limits = Thresholds(false_name=false_name)
     session, more, numbers, replaced = first_with_levels(session, more)
     superset = Superset(session.header.arm)
     check_data_requirements(session)
@@ -114,7 +112,7 @@ def find_gap(
     ordinary = present.ordinary.beside_drives(near)
     from_file, start = instances_of_file(ordinary)
     present = Hypothesis(ordinary=ordinary, instances=from_file)
-    search = partial(_search, stages, (present, start), levels, limits)
+    search = partial(_search, stages, (present, start), levels, false_name)
     ended, said = search(tell=tell)
     if ended.named and ended.judged.calibration.is_model_wrong:
         # A wrong first name explains much and leaves more: what else would be the first?
@@ -136,7 +134,7 @@ def find_gap(
         test=held_out_postures(session, ended.stages[-1].lines),
         gates=gate_rows,
         notes=notes,
-        limits=limits,
+        false_name=false_name,
         assumed=assumed_in(session, more),
         sessions=numbers,
         plan=_plan_to_go_on(session, notes) if advice and single_hits else None,
@@ -164,7 +162,7 @@ def _search(
     stages: tuple[Stage, ...],
     believed: tuple[Hypothesis, dict[str, float]],
     levels: Callable[..., tuple[tuple[Stage, ...], Hypothesis]],
-    limits: Thresholds,
+    false_name: float,
     *,
     tell: Tell,
     without: Collection[tuple[str, str]] = (),
@@ -190,7 +188,7 @@ def _search(
     before: Fit | None = None
     fitted: Fit | None = None
     rounds = 0
-    calibrations = Calibrations(limits.false_name)
+    calibrations = Calibrations(false_name)
     while True:
         rounds += 1
         found = find_rivals(
@@ -210,7 +208,7 @@ def _search(
         if judged.named is None:
             break
         better = judged.named
-        leaves = partial(misfit_of_replicas, stages[-1], beyond=limits.false_name)
+        leaves = partial(misfit_of_replicas, stages[-1], beyond=false_name)
         step, doubt = step_to(stages[-1], found.present, judged, better, leaves, len(named), tell)
         if step is None:
             notes.append(f"{better.last.title} {doubt}; it was not named")

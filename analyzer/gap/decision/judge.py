@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import permutations, zip_longest
 
-from armodal.analyzer.gap.decision.calibration import FALSE_NAME, Calibration
+from armodal.analyzer.gap.decision.calibration import Calibration
 from armodal.analyzer.gap.decision.matters import is_material, matters
 from armodal.analyzer.gap.decision.mounting_share import is_shared
 from armodal.analyzer.gap.inference.fit import Fit, Stage
@@ -21,7 +21,6 @@ from armodal.protocols.arm.records import Joint
 
 __all__ = [
     "Judged",
-    "Thresholds",
     "ends_alike",
     "is_plainer",
     "judge",
@@ -30,17 +29,6 @@ __all__ = [
 
 
 _PART_OF_GAIN = 0.1  # by which an axis may explain more than the joint on which it lies
-_LEFT = 0.2  # of a response
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Thresholds:
-    """What the user accepts, and what no replica tells (`docs/theory-gap.md`)."""
-
-    false_name: float = FALSE_NAME  # accepted probability of a false name
-    # Of the response, in a posture fitted to: where soft and hard hits are apart their difference
-    # counts as scatter, and no misfit tells of what only that explains. True models leave 0.09.
-    outside_left: float = _LEFT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

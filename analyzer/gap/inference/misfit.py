@@ -29,7 +29,7 @@ def misfit_per_line(stage: Stage, fit: Fit) -> float:
     return 2.0 * fit.cost / sum(w.n for w in stage.weighings)
 
 
-def misfit_of_replicas(stage: Stage, fit: Fit, beyond: float, *, seed: int = 0) -> float:
+def misfit_of_replicas(stage: Stage, fit: Fit, beyond: float) -> float:
     """chi^2 per real residual that replicas of a fit leave, but for a part `beyond` of them."""
     left: dict[str, list[npt.NDArray[Any]]] = {}
     expected: dict[str, float] = {}
@@ -42,7 +42,7 @@ def misfit_of_replicas(stage: Stage, fit: Fit, beyond: float, *, seed: int = 0) 
             noise = lines.variance * weighing.scale**2 / 2.0
             right = noise + _BELIEVED * (1.0 - noise)
             expected[lines.name] = expected.get(lines.name, 0.0) + 2.0 * float(right.sum())
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     chi2: Array = np.zeros(_N_REPLICAS)
     for name, parts in left.items():
         power = np.linalg.svd(np.concatenate(parts), compute_uv=False) ** 2

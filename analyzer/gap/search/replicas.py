@@ -62,7 +62,7 @@ class Gains:
 
 
 def replica_gains(
-    stage: Stage, best: Fit, added: Sequence[Instance], others: Sequence[Instance], *, seed: int = 0
+    stage: Stage, best: Fit, added: Sequence[Instance], others: Sequence[Instance]
 ) -> Gains:
     """Draw replicas of a model and return what every effect gains on them.
 
@@ -94,7 +94,7 @@ def replica_gains(
 
     H = curvature_of(parts)
     parts = settled(parts, fitted, H[np.ix_(fitted, fitted)], _pull(best, space))
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     G = _drawn(parts, fitted, rng)
     prior = within_nature(space.least[free], space.most[free], rng.random((len(free), _N_REPLICAS)))
     covariance = np.linalg.inv(H[np.ix_(free, free)] + np.eye(len(free)))

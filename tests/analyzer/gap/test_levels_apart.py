@@ -8,7 +8,7 @@ from support.made_calibration import made_calibration
 from support.small_case import small_case
 
 from armodal.analyzer.arm.superset import Superset
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.effects.level import any_change
 from armodal.analyzer.gap.effects.point_candidates import channel_candidates
@@ -209,7 +209,6 @@ def test_what_the_level_tells_and_no_effect_follows_is_outside_the_library(
         nothing,
         named=named,
         leaves=lambda _: 1e9,  # whatever is left: by the misfit nothing is outside
-        limits=Thresholds(),
     )
     said = "the response depends on the hits' level, and nothing that was named does"
     assert (said in why) == (not is_followed)

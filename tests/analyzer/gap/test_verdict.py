@@ -8,7 +8,7 @@ from support.made_calibration import made_calibration
 from support.made_gap_fits import made_fit
 
 from armodal.analyzer.gap.decision import calibration
-from armodal.analyzer.gap.decision.judge import Judged, Thresholds
+from armodal.analyzer.gap.decision.judge import Judged
 from armodal.analyzer.gap.decision.verdict import verdict_of
 from armodal.analyzer.gap.effects import (
     bearing,
@@ -70,9 +70,7 @@ def told_of(final, standing=(), *, rivals=(), named=False, doubted=False):
     judged = Judged(
         named=None, standing=standing, phi=1.0, calibration=made_calibration(), doubted=doubted
     )
-    return verdict_of(
-        OF_1000, final, found, judged, named=named, leaves=replicas_leave, limits=Thresholds()
-    )
+    return verdict_of(OF_1000, final, found, judged, named=named, leaves=replicas_leave)
 
 
 @pytest.mark.parametrize("named", [False, True])
@@ -92,9 +90,7 @@ def test_errors_larger_than_a_right_model_s_where_effects_feel_them_are_outside_
             phi=1.0,
             calibration=made_calibration(error_ratio=error_ratio),
         )
-        said, _ = verdict_of(
-            OF_1000, final, found, judged, named=True, leaves=replicas_leave, limits=Thresholds()
-        )
+        said, _ = verdict_of(OF_1000, final, found, judged, named=True, leaves=replicas_leave)
         assert said is verdict
 
 
@@ -174,9 +170,7 @@ def test_a_named_axis_is_none_where_the_level_tells_a_law_at_a_joint_of_its_link
         )
         found = Rivals(present=final, rivals=(rival,))
         judged = Judged(named=None, standing=(), phi=1.0, calibration=limits)
-        return verdict_of(
-            OF_1000, final, found, judged, named=True, leaves=replicas_leave, limits=Thresholds()
-        )
+        return verdict_of(OF_1000, final, found, judged, named=True, leaves=replicas_leave)
 
     verdict, why = told("j2", 41.0)
     assert verdict is Verdict.OUTSIDE_LIBRARY
