@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from armodal.analyzer.arm.hysteresis import lost_by_power, relaxed
 from armodal.analyzer.corrected.correction import Correction
+from armodal.analyzer.corrected.cut_links import with_cut_links
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.geometry import PostureGeometry, skew
 from armodal.analyzer.gap.model.lines import PostureLines
@@ -104,7 +105,7 @@ def assembly_at(correction: Correction, at: Stand, *, level: float = 0.0) -> Ass
     ordinary, values = correction.ordinary, correction.values
     lines = _no_lines(ordinary.arm, at.angles_rad, level)
     (plain,) = ordinary.assemblies([at.geometry], [lines], values)
-    return correction.hypothesis.add_to(plain, values)
+    return with_cut_links(correction.hypothesis.add_to(plain, values), ordinary.arm)
 
 
 def corrected_posture(

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +19,7 @@ from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.model.assembly import Inside
 from armodal.analyzer.gap.model.long_links import SLICES
 
-__all__ = ["Hinge", "hinges_along", "parts_along"]
+__all__ = ["Hinge", "hinges_along", "parts_along", "soft_places"]
 
 Array = npt.NDArray[np.float64]
 
@@ -37,53 +36,69 @@ class Hinge:
 
 
 def hinges_along(
-    superset: Superset, yielding: YieldingLine, taper: str, middle: str
+    superset: Superset, yielding: YieldingLine, where: tuple[str, str, str]
 ) -> Callable[[Mapping[str, float]], tuple[Hinge, ...]]:
     """Return what makes the hinges of a line by the values of its parameters.
 
-    `taper` and `middle` name the parameters of `parts_along`.
+    `where` names those of `soft_places` and of `parts_along`.
     """
     line = yielding.line
     columns = superset.interface_columns(line.link)
-    half = 0.5 * line.length_m / SLICES
-    insides = [
-        line.inside(superset, s - half, s + half, 1 + where)
-        for where, s in enumerate(line.places_m)
-    ]
-    names = (taper, middle, *(p.name for p in yielding.parameters))
+    length_m = line.length_m
+    *of_place, taper = where
+    names = (*where, *(p.name for p in yielding.parameters))
 
-    def made(where: int, number: int, values: Mapping[str, float]) -> Hinge:
-        motion = np.zeros((1 + len(yielding.moving), superset.n))
-        motion[:, columns] = np.vstack(yielding.hinge(values, line.places_m[where], number))
-        motion.setflags(write=False)
-        parts, by_shape = parts_along(values[taper], values[middle])
+    def made(values: Mapping[str, float]) -> tuple[Hinge, ...]:
+        edges, by_edges = soft_places(*(values[name] for name in of_place))
+        parts, by_taper = parts_along(values[taper])
         shares, by_sharing = yielding.shares(values)
-        by_shapes = by_shape[:, where] * shares[number], parts[where] * by_sharing[:, number]
-        slopes = (line.length_m * np.hstack(by_shapes)).tolist()
-        return Hinge(
-            inside=insides[where],
-            motion=motion[0],
-            moved=tuple(zip(yielding.moving, motion[1:], strict=True)),
-            part_m=float(line.length_m * parts[where] * shares[number]),
-            part_slopes=dict(zip((taper, middle, *yielding.sharing), slopes, strict=True)),
-        )
+        found = []
+        for i, part in enumerate(parts):
+            slopes = {n: (b[i], b[i + 1]) for n, b in zip(of_place, by_edges.tolist(), strict=True)}
+            inside = line.inside(superset, (edges[i], edges[i + 1]), slopes)
+            at_m = 0.5 * (edges[i] + edges[i + 1]) * length_m
+            along_m = 0.5 * (by_edges[:, i] + by_edges[:, i + 1]) * length_m
+            for number, share in enumerate(shares):
+                twist, moved, along = yielding.hinge(values, at_m, number)
+                motion = np.zeros((1 + len(moved) + len(along_m), superset.n))
+                motion[:, columns] = np.vstack([twist, moved, np.outer(along_m, along)])
+                motion.setflags(write=False)
+                by = length_m * np.append(by_taper[i] * share, part * by_sharing[:, number])
+                found.append(
+                    Hinge(
+                        inside=inside,
+                        motion=motion[0],
+                        moved=tuple(zip((*yielding.moving, *of_place), motion[1:], strict=True)),
+                        part_m=float(length_m * part * share),
+                        part_slopes=dict(zip((taper, *yielding.sharing), by.tolist(), strict=True)),
+                    )
+                )
+        return tuple(found)
 
     @lru_cache(maxsize=1)  # equations of all postures are put together one after the other
     def kept(*at: float) -> tuple[Hinge, ...]:
-        values = dict(zip(names, at, strict=True))
-        each = product(range(SLICES), range(yielding.n_hinges))
-        return tuple(made(where, number, values) for where, number in each)
+        return made(dict(zip(names, at, strict=True)))
 
     return lambda values: kept(*(values[name] for name in names))
 
 
-def parts_along(taper: float, middle: float) -> tuple[Array, Array]:
-    """Return parts (SLICES,) of the whole at each place, and their slopes (2, SLICES).
+def soft_places(place: float, stretch: float) -> tuple[Array, Array]:
+    """Return edges (SLICES + 1,) of the slices that give way, and their slopes (2, SLICES + 1).
 
-    `taper` is ln of the softness at the tip over that at the root, `middle` of that at the middle
-    over that of the ends.
+    Parts of the length. A `stretch` of it is soft, all of it at 1; a short one is about `place`,
+    and any lies within the link.
+    """
+    slices = np.arange(SLICES + 1) / SLICES - 0.5
+    off = place - 0.5
+    edges = 0.5 + (1.0 - stretch) * off + stretch * slices
+    return edges, np.stack([np.full(SLICES + 1, 1.0 - stretch), slices - off])
+
+
+def parts_along(taper: float) -> tuple[Array, Array]:
+    """Return parts (SLICES,) of the whole in each slice, and their slopes (SLICES,).
+
+    `taper` is ln of the softness at the soft stretch's far end over that at its near one.
     """
     place = (np.arange(SLICES) + 0.5) / SLICES - 0.5
-    by = np.stack([place, 1.0 - 2.0 * np.abs(place)])
-    parts = scipy.special.softmax(np.array([taper, middle]) @ by)
-    return parts, parts * (by - (by @ parts)[:, None])
+    parts = scipy.special.softmax(taper * place)
+    return parts, parts * (place - place @ parts)

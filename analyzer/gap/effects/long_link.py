@@ -8,15 +8,21 @@ import numpy as np
 import numpy.typing as npt
 
 from armodal.analyzer.gap.effects.compliance import compliance_parameter
-from armodal.analyzer.gap.effects.hinges import hinges_along, parts_along
+from armodal.analyzer.gap.effects.hinges import hinges_along, parts_along, soft_places
 from armodal.analyzer.gap.effects.link_axis import at_axis, splits
 from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.model.assembly import Assembly
 from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
-from armodal.analyzer.gap.model.long_links import SLICES, LongLink, long_links
+from armodal.analyzer.gap.model.long_links import LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.priors import MASS_SPREAD
+from armodal.analyzer.gap.model.priors import (
+    BEND_PLACE,
+    BEND_PLACE_LEAST,
+    BEND_PLACE_MOST,
+    BEND_PLACE_STD,
+    MASS_SPREAD,
+)
 from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["given_way"]
@@ -24,9 +30,10 @@ __all__ = ["given_way"]
 Array = npt.NDArray[np.float64]
 
 _SPREAD_STD = 0.3  # of the part of its length that a link's mass is spread over
-# Where along it a link gives way: ln of its softness at the tip over that at the root, and at the
-# middle over that of the ends.
-_TAPER_STD, _MIDDLE_STD = 1.9, 1.9
+# Where along it a link gives way: a stretch of it, any part of the length, even draws; and ln of
+# the softness at its far end over that at its near one. Narrower than that it is one place.
+_STRETCH, _STRETCH_STD, _STRETCH_LEAST, _STRETCH_MOST = 0.5, 1.0 / np.sqrt(12.0), 0.02, 1.0
+_TAPER_STD = 1.9
 _START = 0.03  # of the size's deviation: from zero a first step misleads
 
 
@@ -41,19 +48,20 @@ def given_way(
 ) -> Instance:
     """A link whose compliance each way is spread over its length, 1/EI or 1/GJ.
 
-    Castings taper, and flanges stiffen their ends: how much of it is where is a parameter. So is
-    where the line stands, and along which direction: drives and covers draw the centre of mass
-    aside. One that bends does so more easily about one direction than about the other; its size is
-    the mean of both. The link's mass is in pieces between the hinges, spread evenly over a part of
-    its length about its centre, as far as its own inertia allows; points turn with the stretch they
-    stand on.
+    Castings taper, or are bolted together somewhere: how long a stretch of it is soft, where, and
+    how much at either end are parameters. So is where the line stands, and along which direction:
+    drives and covers draw the centre of mass aside. One that bends does so more easily about one
+    direction than about the other; its size is the mean of both. The link's mass is in pieces along
+    it, spread evenly over a part of its length about its centre, as far as its own inertia allows;
+    pieces and points turn with the stretch they stand on.
     """
-    gamma, loss, factor, spread, taper, middle = (
+    gamma, loss, factor, spread, *where = (
         f"{word} {what} {line.name}"
-        for what in ("compliance", "loss", "loss factor", "spread", "taper", "middle")
+        for what in ("compliance", "loss", "loss factor", "spread", "place", "stretch", "taper")
     )
+    place, stretch, taper = where
     yielding = YieldingLine(line=line, bends=bends, word=word)
-    hinges = hinges_along(ordinary.superset, yielding, taper, middle)
+    hinges = hinges_along(ordinary.superset, yielding, (place, stretch, taper))
     body = ordinary.arm.joints[line.link].link
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -95,8 +103,8 @@ def given_way(
         """
         rest = {k: v for k, v in values.items() if k not in own}
         whole = values[gamma] * line.length_m
-        parts, _ = parts_along(values[taper], values[middle])
-        at = float(parts @ ((np.arange(SLICES) + 0.5) / SLICES))
+        edges, _ = soft_places(values[place], values[stretch])
+        at = float(parts_along(values[taper])[0] @ (0.5 * (edges[1:] + edges[:-1])))
         start, end = yielding.ends(values)
         point_m = start + at * (end - start) + 4.0 * at * (1.0 - at) * yielding.bow_m(values)
         axes = [
@@ -115,7 +123,7 @@ def given_way(
             if abs(other.link - line.link) == 1
         ]
 
-    shapes = (spread, taper, middle, *(p.name for p in yielding.parameters))
+    shapes = (spread, *where, *(p.name for p in yielding.parameters))
     own = {gamma, loss, factor, *shapes}
     size = compliance_parameter(gamma, ordinary, line.link, length_m=line.length_m)
 
@@ -131,8 +139,25 @@ def given_way(
             loss_parameter(loss),
             loss_factor_parameter(factor),
             Parameter(name=spread, unit="", mean=MASS_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
+            Parameter(
+                name=place,
+                unit="",
+                mean=BEND_PLACE,
+                std=BEND_PLACE_STD,
+                low=BEND_PLACE_LEAST,
+                high=BEND_PLACE_MOST,
+                untold=BEND_PLACE,
+            ),
+            Parameter(
+                name=stretch,
+                unit="",
+                mean=_STRETCH,
+                std=_STRETCH_STD,
+                low=_STRETCH_LEAST,
+                high=_STRETCH_MOST,
+                untold=_STRETCH_MOST,
+            ),
             Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD, untold=0.0),
-            Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD, untold=0.0),
             *yielding.parameters,
         ),
         builder=build,

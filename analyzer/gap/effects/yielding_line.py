@@ -70,8 +70,10 @@ class YieldingLine:
             for name, unit, std, most in of
         )
 
-    def hinge(self, values: Mapping[str, float], s_m: float, number: int) -> tuple[Array, Array]:
-        """Return the twist (6,) of a hinge at s, linear first, and its slopes (k, 6) by `moving`.
+    def hinge(
+        self, values: Mapping[str, float], s_m: float, number: int
+    ) -> tuple[Array, Array, Array]:
+        """Return the twist (6,) of a hinge at s, linear first, slopes (k, 6) by `moving`, by s.
 
         The line is turned to first order, and bows as a parabola between its ends; hinges stand
         across its tangent, or along it.
@@ -97,7 +99,10 @@ class YieldingLine:
         by_tilt = np.hstack([np.cross(p, by_turn), by_turn])
         moved = [*by_aside, *(arm * by_aside + by_tilt), *(bowed * by_aside + by_bow * by_tilt)]
         leant = [np.concatenate([np.cross(p, change), change]) for change in leans]
-        return np.concatenate([np.cross(p, u), u]), np.array([*moved, *leant])
+        bent = by_turn.T @ bow * (-8.0 / length)  # of u, further along
+        beyond = np.cross(along + tilt @ beside, u) + np.cross(p, bent)
+        by_s = np.concatenate([beyond, bent])
+        return np.concatenate([np.cross(p, u), u]), np.array([*moved, *leant]), by_s
 
     def shares(self, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Return the part (n,) of a place's yield that each hinge has, and slopes (k, n).

@@ -69,16 +69,16 @@ class Inside:
     """How a coordinate inside a link moves what is on that link; what is beyond moves whole."""
 
     link: int
-    before: int  # pieces that stay, where the others move whole
     points: npt.NDArray[np.int64]  # (k,) that do not move whole
     part: Array  # (k,) of it that each turns by
     shift_m: Array  # (k, 3) to where each turns about, as the hinge is from there; sensor axes
-    # A parameter that changes both, and by what a unit.
-    by: str = ""
-    part_slope: Array = field(default_factory=lambda: np.zeros(0))  # (k,)
-    shift_slope_m: Array = field(default_factory=lambda: np.zeros((0, 3)))  # (k, 3)
-    # Where pieces move in part too, as points do.
+    # Where pieces move in part, as points do; None: the first of them stay, the others move whole.
     stretch: Stretch | None = None
+    before: int = 0  # how many stay
+    # Parameters that change both, and by what a unit, (q, k) and (q, k, 3); the stretch's own.
+    by: tuple[str, ...] = ()
+    part_slopes: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    shift_slopes_m: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))
 
     def moved(self, motion: Array, shares: Array) -> Array:
         """Return (..., P, 6) of pieces with shares (P,), by the motion (..., 6) of the link whole.
@@ -88,18 +88,16 @@ class Inside:
         if self.stretch is None:
             goes = np.arange(len(shares)) >= self.before
             return np.asarray(np.where(goes[:, None], motion[..., None, :], 0.0))
-        part, back, _, _ = self.stretch.at(shares)
-        return part[:, None] * self.stretch.turned_about(motion, back)
+        part, lever_m, _, _ = self.stretch.of_pieces(shares)
+        return self.stretch.turned_about(motion, part, lever_m)
 
-    def moved_slope(self, motion: Array, shares: Array) -> Array:
-        """Return (..., P, 6), by what that changes a unit of the parameter, the motion as it is."""
-        if self.stretch is None:
+    def moved_slope(self, motion: Array, shares: Array, by: str) -> Array:
+        """Return (..., P, 6), by what that changes a unit of a parameter, the motion as it is."""
+        if self.stretch is None or by not in self.by:
             return np.zeros((*motion.shape[:-1], len(shares), 6))
-        part, back, by_part, by_back = self.stretch.at(shares)
-        found = by_part[:, None] * self.stretch.turned_about(motion, back)
-        further = (part * by_back)[:, None] * np.cross(self.stretch.along, motion[..., None, 3:])
-        found[..., :3] -= further
-        return np.asarray(found)
+        _, _, by_part, by_lever = self.stretch.of_pieces(shares)
+        q = self.by.index(by)
+        return self.stretch.turned_about(motion, by_part[q], by_lever[q])
 
 
 @dataclass

@@ -8,7 +8,9 @@ whose next joint stands at its own comes from the other side.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -65,36 +67,48 @@ class LongLink:
         by
             The parameter whose value that is.
         """
-        length, late = self.length_m, place > 0.5
+        start, end = max(2.0 * place - 1.0, 0.0), min(2.0 * place, 1.0)
+        late = place > 0.5
+        return self.inside(superset, (start, end), {by: (2.0 * late, 2.0 * (not late))})
+
+    def inside(
+        self,
+        superset: Superset,
+        ends: tuple[float, float],
+        by: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+    ) -> Inside:
+        """How a hinge that stands for an evenly soft stretch moves the link's points and its mass.
+
+        Parameters
+        ----------
+        ends
+            Of the stretch, parts of the length.
+        by
+            Parameters that move them, and by how much each a unit.
+        """
+        start_m, end_m = (end * self.length_m for end in ends)
         stretch = Stretch(
             along=self.along,
-            length_m=length,
-            start_m=max(2.0 * place - 1.0, 0.0) * length,
-            end_m=min(2.0 * place, 1.0) * length,
-            start_slope_m=2.0 * length if late else 0.0,
-            end_slope_m=0.0 if late else 2.0 * length,
+            length_m=self.length_m,
+            start_m=start_m,
+            end_m=end_m,
+            start_slopes_m=tuple(start * self.length_m for start, _ in by.values()),
+            end_slopes_m=tuple(end * self.length_m for _, end in by.values()),
         )
-        return replace(self._moved(superset, stretch, 0), by=by, stretch=stretch)
-
-    def inside(self, superset: Superset, start_m: float, end_m: float, before: int) -> Inside:
-        """How a hinge that stands for an evenly soft stretch moves the link's points."""
-        stretch = Stretch(along=self.along, length_m=self.length_m, start_m=start_m, end_m=end_m)
-        return self._moved(superset, stretch, before)
-
-    def _moved(self, superset: Superset, stretch: Stretch, before: int) -> Inside:
         points = [i for i, own in enumerate(superset.point_link) if own == self.link]
         placed = [superset.arm.points[i] for i in points]
         at_m = np.array([(p.position_m - self.start_m) @ self.along for p in placed])
         back = np.array([point.R_link_sensor.T @ self.along for point in placed])
-        part, back_m, by_part, by_back = stretch.parts(at_m)
+        part, back_m, by_part, by_back_m = stretch.parts(at_m)
         return Inside(
             link=self.link,
-            before=before,
             points=np.array(points, dtype=np.int64),
             part=part,
             shift_m=back_m[:, None] * back,
-            part_slope=by_part,
-            shift_slope_m=by_back[:, None] * back,
+            stretch=stretch,
+            by=tuple(by),
+            part_slopes=by_part,
+            shift_slopes_m=by_back_m[..., None] * back,
         )
 
 

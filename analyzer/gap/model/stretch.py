@@ -14,39 +14,77 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stretch:
-    """An evenly soft stretch of a link's line, about a place; m from the line's root."""
+    """An evenly soft stretch of a link's line; m from the line's root.
+
+    Its ends may move with q parameters, by as much a unit of each.
+    """
 
     along: Array  # (3,) unit, link's frame
     length_m: float  # of the line
     start_m: float
     end_m: float
-    start_slope_m: float = 0.0  # by the place, a part of the length
-    end_slope_m: float = 0.0
+    start_slopes_m: tuple[float, ...] = ()  # (q,)
+    end_slopes_m: tuple[float, ...] = ()
 
     def parts(self, at_m: Array) -> tuple[Array, Array, Array, Array]:
         """Return by which part what stands at (k,) turns, and how far before the hinge about.
 
-        And the slopes of both by the place. The yields of a beam under an even moment: what stands
-        at t turns by the part of the stretch before it, about the middle of that.
+        And the slopes (q, k) of both. The yields of a beam under an even moment: what stands at t
+        turns by the part of the stretch before it, about the middle of that.
         """
-        t, stretch = np.clip(at_m, self.start_m, self.end_m), self.end_m - self.start_m
-        slope = self.start_slope_m * (self.end_m - t) + self.end_slope_m * (t - self.start_m)
+        t, length_m = np.clip(at_m, self.start_m, self.end_m), self.end_m - self.start_m
         turns = t > self.start_m
         partly = turns & (t < self.end_m)
+        by_start, by_end = self._slopes
+        slope = by_start * (self.end_m - t) + by_end * (t - self.start_m)
         return (
-            (t - self.start_m) / stretch,
+            (t - self.start_m) / length_m,
             0.5 * (self.end_m - t),
-            np.where(partly, -slope / stretch**2, 0.0),
-            np.where(partly, 0.5 * self.end_slope_m, 0.0),
+            np.where(partly, -slope / length_m**2, 0.0),
+            np.where(partly, 0.5 * by_end, 0.0),
         )
 
-    def at(self, shares: Array) -> tuple[Array, Array, Array, Array]:
-        """Return the same of a link's pieces, which lie on its line one behind the other."""
-        ends = np.cumsum(shares)
-        return self.parts((ends - 0.5 * shares) * self.length_m)
+    def of_pieces(self, shares: Array) -> tuple[Array, Array, Array, Array]:
+        """Return by which part pieces (P,) turn, and that part times how far before the hinge.
 
-    def turned_about(self, motion: Array, back_m: Array) -> Array:
-        """(..., P, 6) about `back_m` (P,) before the hinge, of a link's motion (..., 6)."""
+        And the slopes (q, P) of both. Means over each piece: they lie on the line one behind the
+        other, and of any the part before the stretch stays.
+        """
+        edges = np.concatenate([[0.0], np.cumsum(shares)]) * self.length_m
+        integrals = self._integrals(edges)
+        part, lever, by_part, by_lever = (np.diff(of) / np.diff(edges) for of in integrals)
+        return part, lever, by_part, by_lever
+
+    def _integrals(self, at_m: Array) -> tuple[Array, Array, Array, Array]:
+        """Integrals from the root up to (k,) of `parts`, of their product, and slopes (q, k).
+
+        With x from the stretch's start, h its length: x^2 / 2 h, and of x (h - x) / 2 h.
+        """
+        h = self.end_m - self.start_m
+        x, beyond = np.clip(at_m - self.start_m, 0.0, h), np.maximum(at_m - self.end_m, 0.0)
+        by_start, by_end = self._slopes
+        inside = (at_m > self.start_m) & (at_m < self.end_m)
+        longer, dx = by_end - by_start, np.where(at_m >= self.end_m, by_end - by_start, 0.0)
+        dx = np.where(inside, -by_start, dx)
+        further = np.where(beyond > 0.0, -by_end, 0.0)
+        return (
+            x**2 / (2.0 * h) + beyond,
+            x**2 / 4.0 - x**3 / (6.0 * h),
+            x / h * dx - x**2 / (2.0 * h**2) * longer + further,
+            (x / 2.0 - x**2 / (2.0 * h)) * dx + x**3 / (6.0 * h**2) * longer,
+        )
+
+    @property
+    def _slopes(self) -> tuple[Array, Array]:
+        """Of both ends, (q, 1) each."""
+        return np.array(self.start_slopes_m)[:, None], np.array(self.end_slopes_m)[:, None]
+
+    def turned_about(self, motion: Array, part: Array, lever_m: Array) -> Array:
+        """(..., P, 6) of a link's motion (..., 6): parts (P,) of it, about what is before.
+
+        `lever_m` (P,) is how far before the hinge, times the part.
+        """
         turns = motion[..., None, 3:]
-        linear = motion[..., None, :3] - back_m[:, None] * np.cross(self.along, turns)
-        return np.concatenate([linear, np.broadcast_to(turns, linear.shape)], axis=-1)
+        moved = part[:, None] * motion[..., None, :]
+        moved[..., :3] -= lever_m[:, None] * np.cross(self.along, turns)
+        return np.asarray(moved)

@@ -218,9 +218,9 @@ def motion_slopes(
         turned = first.motion_of_pieces(link, by_link[:, link], at)
         for column, (coordinate, name) in enumerate(zip(at, by, strict=True)):
             inside = first.inside.get(coordinate)
-            if inside is not None and inside.link == link and inside.by == name:
+            if inside is not None and inside.link == link and name in inside.by:
                 unit = system.link_motion[:, link, :, coordinate]
-                turned[..., column] += inside.moved_slope(unit, piece.shares)
+                turned[..., column] += inside.moved_slope(unit, piece.shares, name)
         mass += _together(turned, _pull(piece.split(inertia[:, link]), piece.motion))
     base_inertia = np.array([own.base_inertia for own in assemblies])
     mass += dT[:, :6].swapaxes(1, 2) @ base_inertia @ T[:, :6]
@@ -343,11 +343,12 @@ def _point_motion(
             by_it, here = motion[..., column], inside.points
             arms = _arms(assemblies, here, inside.shift_m)
             by_it[:, here] = inside.part[:, None] * _turned_about(arms, by_it[:, here])
-            if by and inside.by == by[column]:
+            if by and by[column] in inside.by:
+                q = inside.by.index(by[column])
                 unit = np.array([of.columns[coordinate] for of in assemblies])[..., None]
                 whole = (points @ unit).reshape(P, -1, 6)[:, here]
-                by_it[:, here] += inside.part_slope[:, None] * _turned_about(arms, whole)
-                further = _arms(assemblies, here, inside.shift_slope_m)
+                by_it[:, here] += inside.part_slopes[q][:, None] * _turned_about(arms, whole)
+                further = _arms(assemblies, here, inside.shift_slopes_m[q])
                 turns = inside.part[:, None] * whole[..., 3:]
                 by_it[..., :3][:, here] -= _times(further, turns)
     for own, moved in zip(assemblies, motion, strict=True):

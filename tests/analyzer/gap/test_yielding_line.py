@@ -1,11 +1,13 @@
 """Where a long link gives way, and about which directions, beside closed forms."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from armodal.analyzer.arm.superset import Superset
 from armodal.analyzer.gap.effects import link_axis, link_torsion
-from armodal.analyzer.gap.effects.hinges import hinges_along
+from armodal.analyzer.gap.effects.hinges import hinges_along, soft_places
 from armodal.analyzer.gap.effects.yielding_line import YieldingLine
 from armodal.analyzer.gap.model.effect import Instance
 from armodal.analyzer.gap.model.geometry import across
@@ -80,7 +82,7 @@ def test_a_line_that_lies_elsewhere_has_its_hinges_there(bends):
     assert np.linalg.norm(along) == pytest.approx(1.0)
     for way in range(moved.n_hinges):
         for s in LINE.places_m:
-            twist, _ = moved.hinge(values_of(moved, **told), s, way)
+            twist, *_ = moved.hinge(values_of(moved, **told), s, way)
             u, place = twist[3:], start + s * along
             if not bends:
                 np.testing.assert_allclose(u, along, atol=5e-4)
@@ -104,7 +106,7 @@ def test_a_line_that_bows_has_its_hinges_along_a_parabola(bends):
             part = s / LINE.length_m
             place = start + part * (end - start) + 4.0 * part * (1.0 - part) * bow_m
             tangent = LINE.along + 4.0 * (1.0 - 2.0 * part) * bow_m / LINE.length_m
-            twist, _ = bowed.hinge(values, s, way)
+            twist, *_ = bowed.hinge(values, s, way)
             if bends:
                 assert abs(twist[3:] @ tangent) < 1e-12
             else:
@@ -121,7 +123,9 @@ def test_hinges_follow_the_line_by_their_slopes(bends):
     told |= {"bow_a": 0.08, "bow_b": -0.05}
     values, s, step = values_of(moved, **told), LINE.places_m[1], 1e-6
     for way in range(moved.n_hinges):
-        _, slopes = moved.hinge(values, s, way)
+        _, slopes, by_s = moved.hinge(values, s, way)
+        beyond, before = (moved.hinge(values, s + d, way)[0] for d in (step, -step))
+        np.testing.assert_allclose((beyond - before) / (2 * step), by_s, atol=1e-8)
         for name, slope in zip(moved.moving, slopes, strict=True):
             more, less = (
                 moved.hinge(values | {name: values[name] + d}, s, way)[0] for d in (step, -step)
@@ -132,8 +136,9 @@ def test_hinges_follow_the_line_by_their_slopes(bends):
 def test_hinges_are_made_anew_where_a_value_of_theirs_changes():
     superset = Superset(load_arm("rv4frl"))
     bends = YieldingLine(line=long_links(superset)[0], bends=True, word="w")
-    values = values_of(bends) | {"taper": 0.0, "middle": 0.0}
-    hinges = hinges_along(superset, bends, "taper", "middle")
+    where = ("place", "stretch", "taper")
+    values = values_of(bends) | {"place": 0.4, "stretch": 0.6, "taper": 0.0}
+    hinges = hinges_along(superset, bends, where)
     first = hinges(values)
     assert hinges(values | {"of another": 1.0}) is first
     # They yield for the link's length about each of two directions across.
@@ -145,6 +150,35 @@ def test_hinges_are_made_anew_where_a_value_of_theirs_changes():
         parts = [abs(a.part_m - b.part_m) for a, b in zip(first, other, strict=True)]
         assert max(motion) > 1e-4 or max(parts) > 1e-4
     np.testing.assert_array_equal(hinges(values)[0].motion, first[0].motion)
+
+
+@pytest.mark.parametrize("bends", [True, False])
+def test_hinges_follow_what_is_soft_by_their_slopes(bends):
+    """Central differences of 1e-6, motions and parts."""
+    superset, step = Superset(load_arm("rv4frl")), 1e-6
+    yielding = YieldingLine(line=long_links(superset)[0], bends=bends, word="w")
+    told = values_of(yielding, turn_a=0.1, bow_a=0.05, bow_b=-0.08)
+    values = told | {"place": 0.3, "stretch": 0.4, "taper": 0.7}
+    hinges = hinges_along(superset, yielding, ("place", "stretch", "taper"))
+    here = hinges(values)
+    for name in ("place", "stretch", "taper"):
+        sides = [hinges(values | {name: values[name] + d}) for d in (step, -step)]
+        for own, more, less in zip(here, *sides, strict=True):
+            moved = dict(own.moved).get(name, np.zeros_like(own.motion))
+            np.testing.assert_allclose((more.motion - less.motion) / (2 * step), moved, atol=1e-8)
+            part = (more.part_m - less.part_m) / (2 * step)
+            assert own.part_slopes.get(name, 0.0) == pytest.approx(part, abs=1e-8)
+            assert own.inside.by == ("place", "stretch")
+
+
+def test_a_soft_stretch_is_a_part_of_the_link_about_its_place():
+    np.testing.assert_allclose(soft_places(0.3, 1.0)[0], np.linspace(0.0, 1.0, 6), atol=1e-15)
+    np.testing.assert_allclose(soft_places(0.3, 0.0)[0], 0.3)
+    for place, stretch in product((0.1, 0.5, 0.9), (0.02, 0.3, 0.8)):
+        edges, _ = soft_places(place, stretch)
+        assert edges[-1] - edges[0] == pytest.approx(stretch)
+        # A whole number of roundings off the ends.
+        assert -1e-12 <= edges[0] < edges[-1] <= 1.0 + 1e-12
 
 
 def test_a_line_turned_as_far_as_it_may_is_still_along_its_link():
