@@ -20,25 +20,24 @@ def sliced(
     link: str,
     line_m: tuple[Array, Array, Array],
     directions: tuple[Array, ...],
-    springs: Sequence[Sequence[Spring]],
+    cuts: Sequence[tuple[float, Sequence[Spring]]],
     word: str,
 ) -> Assembly:
-    """Cut a link in the middles of equal lengths by a hinge along each direction.
+    """Cut a link at places, parts of its length, by a hinge along each direction.
 
     `line_m` has both ends and the bow: the line is a parabola between its ends, and hinges turn
-    with it. `springs` of each cut, one a direction.
-    The pieces at both ends are half as long and heavy as the others. Straight, they have together
-    the mass, centre and inertia of the link. A test point rides on the piece it stands beside.
+    with it. Of each of the `cuts` its place and springs, one a direction.
+    Pieces are as heavy as long. Straight, they have together the mass, centre and inertia of the
+    link. A test point rides on the piece it stands beside.
     """
     near = assembly.carrier_of(link)
     start, end, bow = line_m
-    length, cuts = float(np.linalg.norm(end - start)), len(springs)
+    length = float(np.linalg.norm(end - start))
     axis = (end - start) / length
-    parts = _parts(near.inertial(), axis, length, cuts)
+    parts = _parts(near.inertial(), axis, length, [part for part, _ in cuts])
     assembly = assembly.replaced(near.loaded(parts[0]))
     at = near.label
-    for i in range(1, cuts + 1):
-        part = (i - 0.5) / cuts
+    for i, (part, springs) in enumerate(cuts, 1):
         place = start + (end - start) * part + 4.0 * part * (1.0 - part) * bow
         turned = _turned(axis, axis + 4.0 * (1.0 - 2.0 * part) * bow / length)
         before = tuple(
@@ -54,7 +53,7 @@ def sliced(
                 label,
                 hinge_m=place,
                 axis=turned @ direction,
-                spring=springs[i - 1][way],
+                spring=springs[way],
                 before=parts[i - 1] if way == 0 else Inertial(),
                 after=parts[i] if is_last else Inertial(),
                 points_before=before if way == 0 else (),
@@ -75,9 +74,9 @@ def slice_label(word: str, cut: int, way: int, link: str) -> str:
     return f"{word} {cut}.{way} of {link}"
 
 
-def _parts(whole: Inertial, axis: Array, length: float, cuts: int) -> list[Inertial]:
+def _parts(whole: Inertial, axis: Array, length: float, places: Sequence[float]) -> list[Inertial]:
     """Masses along the line through the centre, as far apart as the inertia allows."""
-    bounds = np.array([0.0, *(np.arange(cuts) + 0.5) / cuts, 1.0]) - 0.5
+    bounds = np.array([0.0, *places, 1.0]) - 0.5
     shares, offsets = np.diff(bounds), 0.5 * (bounds[:-1] + bounds[1:])
     spread = skew(axis)
     steiner = -whole.mass_kg * float(shares @ offsets**2) * spread @ spread

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["SlicedLink", "all_along", "slices_of_file", "yield_per_length"]
 
 Array = npt.NDArray[np.float64]
+Part = Annotated[float, Field(gt=0.0, lt=1.0)]
 
 _CUTS_OF_FILE = 9  # of a file's link: they give the deflection of its tip to 0.3 %
 CUTS = 8  # of a link: none where one of two to four points stands, and its tip is right to 0.4 %
@@ -32,8 +33,9 @@ class SlicedLink(BaseEffect):
     """A link as rigid pieces along a line, each hinged to the one before it.
 
     A stiffness per length is spread over n cuts, stiffness n / L each, in the middles of n equal
-    lengths. The line may bow: a parabola whose middle stands `bow_m` beside that of its ends.
-    `softness` tells how much of the whole yield each cut has, where not all have alike.
+    lengths or where `cut_at` has them, parts of the length. The line may bow: a parabola whose
+    middle stands `bow_m` beside that of its ends. `softness` tells how much of the whole yield each
+    cut has, where not all have alike.
     """
 
     link: str
@@ -41,6 +43,7 @@ class SlicedLink(BaseEffect):
     to_m: Vector
     bow_m: Vector = (0.0, 0.0, 0.0)
     cuts: Annotated[int, Field(ge=1, le=12)] = 3
+    cut_at: tuple[Part, ...] = ()
     softness: tuple[Positive, ...] = ()
     loss: NotNegative  # damping / stiffness, s
 
@@ -50,6 +53,8 @@ class SlicedLink(BaseEffect):
             raise ValueError("from_m and to_m must differ")
         if self.softness and len(self.softness) != self.cuts:
             raise ValueError(f"wanted a softness for each of {self.cuts} cuts")
+        if self.cut_at and (len(self.cut_at) != self.cuts or np.diff(self.cut_at).min() <= 0.0):
+            raise ValueError(f"wanted cut_at with {self.cuts} places, one beyond the other")
         return self
 
     @property
@@ -73,7 +78,9 @@ class SlicedLink(BaseEffect):
         softness = np.array(self.softness or np.ones(self.cuts))
         each_k = np.outer(softness.sum() / softness, whole_k)
         springs = [[Spring(k=k, c=k * self.loss) for k in cut] for cut in each_k.tolist()]
-        return sliced(assembly, self.link, (start, end, bow), directions, springs, word)
+        places = self.cut_at or (np.arange(self.cuts) + 0.5) / self.cuts
+        cuts = list(zip(places, springs, strict=True))
+        return sliced(assembly, self.link, (start, end, bow), directions, cuts, word)
 
 
 def slices_of_file(
@@ -86,9 +93,9 @@ def slices_of_file(
 ) -> Twin:
     """A link that bends or twists along its line; where none is told, along that to the next joint.
 
-    `taper` is ln of softness at the line's end over that at its start, `middle` that at half its
-    length over that of both ends. Each cut has hinges of `word`, so much `softer` than the told
-    stiffness each; `more` stands in the table.
+    `stretch` is the part of the line that is soft, `place` about where (all of it has none), and
+    `taper` ln of softness at the stretch's end over that at its start. Each cut has hinges of
+    `word`, so much `softer` than the told stiffness each; `more` stands in the table.
     """
     names = [joint.link.name for joint in own.arm.joints]
     link, told = own.effect.place, own.effect.description
@@ -99,9 +106,13 @@ def slices_of_file(
         raise KeyError("a joint behind it")
     else:
         start, end = np.zeros(3), np.asarray(own.arm.joints[at + 1].T_parent_joint[:3, 3])
-    taper, middle = (own.sizes.get(f"{kind}_{shape}", 0.0) for shape in ("taper", "middle"))
+    place, stretch, taper = (
+        own.sizes.get(f"{kind}_{name}", otherwise)
+        for name, otherwise in (("place", 0.5), ("stretch", 1.0), ("taper", 0.0))
+    )
     along = (np.arange(_CUTS_OF_FILE) + 0.5) / _CUTS_OF_FILE
-    softness = np.exp(taper * along + middle * np.minimum(2.0 * along, 2.0 - 2.0 * along))
+    cut_at = 0.5 + (1.0 - stretch) * (place - 0.5) + stretch * (along - 0.5)
+    softness = np.exp(taper * along)
     table = {
         "kind": kind,
         "link": link,
@@ -109,6 +120,7 @@ def slices_of_file(
         "to_m": tuple(own.turned[link] @ end),
         "bow_m": tuple(own.turned[link] @ three(told.get("bow_m", (0.0, 0.0, 0.0)))),
         "cuts": _CUTS_OF_FILE,
+        "cut_at": tuple(cut_at.tolist()),
         "softness": tuple(softness.tolist()),
         "loss": own.sizes.get(f"{kind}_loss", 0.0),
         stiffness: 1.0 / own.sizes[f"{kind}_compliance"],

@@ -68,6 +68,16 @@ def exactly(name, place=None):
     return made[name]() if name in made else any_of(ARM, name, place)
 
 
+def at_one_place(name):
+    """A link that gives way over a tenth of its length, a third along it."""
+    found = any_of(ARM, name)
+    told = {"place": 0.31, "stretch": 0.1, "taper": 0.8}
+    told = {f"{name.removeprefix('link_')}_{key}": value for key, value in told.items()}
+    parameters = [replace(p, value=told.get(p.name, p.value)) for p in found.parameters]
+    assert told.keys() <= {p.name for p in parameters}
+    return replace(found, parameters=tuple(parameters))
+
+
 def pulling(name):
     """A compensator that stands aside, and whose pull grows by a part of its stiffness."""
     told = {"aside": 0.4, "stretch": 0.12, "growth": 0.7}
@@ -88,7 +98,12 @@ def without_errors(effects):
 
 @pytest.mark.parametrize(
     ("name", "made"),
-    [*((name, exactly) for name in COMPARED), ("gravity_compensator", pulling)],
+    [
+        *((name, exactly) for name in COMPARED),
+        ("gravity_compensator", pulling),
+        ("link_torsion", at_one_place),
+        ("link_bending", at_one_place),
+    ],
 )
 def test_the_simulated_arm_has_the_modes_of_the_file(name, made):
     effect = made(name)

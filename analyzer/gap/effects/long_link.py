@@ -83,11 +83,16 @@ def given_way(
                 assembly.motion_of.setdefault(name, []).append((at, moved))
 
     def describe(values: Mapping[str, float]) -> dict[str, object]:
-        """Ends and bow of the line, and about which direction it is softest; link's frame."""
+        """Ends and bow of the line, between which places of it it is soft, and about what most.
+
+        In the link's frame; places are told from the line's first end.
+        """
         start, end = yielding.ends(values)
         name = ordinary.arm.joints[line.link].link.name
         told: dict[str, object] = {"link": name, "from_m": start.tolist(), "to_m": end.tolist()}
         told["bow_m"] = yielding.bow_m(values).tolist()
+        edges, _ = soft_places(values[place], values[stretch])
+        told["soft_between_m"] = (line.length_m * edges[[0, -1]]).tolist()
         if bends:
             directions, yields = yielding.softest(values)
             told["softest_about"] = directions[:, 0].tolist()

@@ -11,6 +11,8 @@ __all__ = ["Stretch"]
 
 Array = npt.NDArray[np.float64]
 
+_LEAST = 1e-6  # of the length, over which a mean is taken
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stretch:
@@ -50,9 +52,15 @@ class Stretch:
         And the slopes (q, P) of both. Means over each piece: they lie on the line one behind the
         other, and of any the part before the stretch stays.
         """
-        edges = np.concatenate([[0.0], np.cumsum(shares)]) * self.length_m
-        integrals = self._integrals(edges)
-        part, lever, by_part, by_lever = (np.diff(of) / np.diff(edges) for of in integrals)
+        ends = np.cumsum(shares)
+        # A piece without mass still has a place.
+        wide_m = np.maximum(shares, _LEAST) * self.length_m
+        middles_m = (ends - 0.5 * shares) * self.length_m
+        before = self._integrals(middles_m - 0.5 * wide_m)
+        after = self._integrals(middles_m + 0.5 * wide_m)
+        part, lever, by_part, by_lever = (
+            (far - near) / wide_m for near, far in zip(before, after, strict=True)
+        )
         return part, lever, by_part, by_lever
 
     def _integrals(self, at_m: Array) -> tuple[Array, Array, Array, Array]:

@@ -51,6 +51,14 @@ def test_pieces_move_as_all_that_is_of_them_does():
         assert lever[i] == pytest.approx((parts * back_m).mean(), abs=1e-6)
 
 
+def test_a_piece_without_mass_moves_as_what_stands_there():
+    part, lever, *_ = STRETCH.of_pieces(np.array([0.3, 0.0, 0.7]))
+    here, back_m, *_ = STRETCH.parts(np.array([0.3 * STRETCH.length_m]))
+    # Differences over a millionth of a length: rounding leaves 1e-10.
+    assert part[1] == pytest.approx(here[0], abs=1e-8)
+    assert lever[1] == pytest.approx((here * back_m)[0], abs=1e-8)
+
+
 def test_slopes_by_both_ends_are_those_of_differences(superset):
     """One slice of a short stretch, for points and for pieces; second differences leave 1e-7."""
     line = LongLink(link=1, name="upper_arm", along=ALONG, length_m=0.8)
