@@ -94,8 +94,9 @@ def slices_of_file(
     """A link that bends or twists along its line; where none is told, along that to the next joint.
 
     `stretch` is the part of the line that is soft, `place` about where (all of it has none), and
-    `taper` ln of softness at the stretch's end over that at its start. Each cut has hinges of
-    `word`, so much `softer` than the told stiffness each; `more` stands in the table.
+    `taper` ln of softness at the stretch's end over that at its start, `middle` that at its middle
+    over that of both ends. Each cut has hinges of `word`, so much `softer` than the told stiffness
+    each; `more` stands in the table.
     """
     names = [joint.link.name for joint in own.arm.joints]
     link, told = own.effect.place, own.effect.description
@@ -106,13 +107,13 @@ def slices_of_file(
         raise KeyError("a joint behind it")
     else:
         start, end = np.zeros(3), np.asarray(own.arm.joints[at + 1].T_parent_joint[:3, 3])
-    place, stretch, taper = (
+    place, stretch, taper, middle = (
         own.sizes.get(f"{kind}_{name}", otherwise)
-        for name, otherwise in (("place", 0.5), ("stretch", 1.0), ("taper", 0.0))
+        for name, otherwise in (("place", 0.5), ("stretch", 1.0), ("taper", 0.0), ("middle", 0.0))
     )
     along = (np.arange(_CUTS_OF_FILE) + 0.5) / _CUTS_OF_FILE
     cut_at = 0.5 + (1.0 - stretch) * (place - 0.5) + stretch * (along - 0.5)
-    softness = np.exp(taper * along)
+    softness = np.exp(taper * along + middle * np.minimum(2.0 * along, 2.0 - 2.0 * along))
     table = {
         "kind": kind,
         "link": link,

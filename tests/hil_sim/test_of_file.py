@@ -71,7 +71,7 @@ def exactly(name, place=None):
 def at_one_place(name):
     """A link that gives way over a tenth of its length, a third along it."""
     found = any_of(ARM, name)
-    told = {"place": 0.31, "stretch": 0.1, "taper": 0.8}
+    told = {"place": 0.31, "stretch": 0.1, "taper": 0.8, "middle": -0.6}
     told = {f"{name.removeprefix('link_')}_{key}": value for key, value in told.items()}
     parameters = [replace(p, value=told.get(p.name, p.value)) for p in found.parameters]
     assert told.keys() <= {p.name for p in parameters}

@@ -36,7 +36,7 @@ class Hinge:
 
 
 def hinges_along(
-    superset: Superset, yielding: YieldingLine, where: tuple[str, str, str]
+    superset: Superset, yielding: YieldingLine, where: tuple[str, str, str, str]
 ) -> Callable[[Mapping[str, float]], tuple[Hinge, ...]]:
     """Return what makes the hinges of a line by the values of its parameters.
 
@@ -45,12 +45,12 @@ def hinges_along(
     line = yielding.line
     columns = superset.interface_columns(line.link)
     length_m = line.length_m
-    *of_place, taper = where
+    of_place, of_parts = where[:2], where[2:]
     names = (*where, *(p.name for p in yielding.parameters))
 
     def made(values: Mapping[str, float]) -> tuple[Hinge, ...]:
         edges, by_edges = soft_places(*(values[name] for name in of_place))
-        parts, by_taper = parts_along(values[taper])
+        parts, by_parts = parts_along(*(values[name] for name in of_parts))
         shares, by_sharing = yielding.shares(values)
         found = []
         for i, part in enumerate(parts):
@@ -63,14 +63,15 @@ def hinges_along(
                 motion = np.zeros((1 + len(moved) + len(along_m), superset.n))
                 motion[:, columns] = np.vstack([twist, moved, np.outer(along_m, along)])
                 motion.setflags(write=False)
-                by = length_m * np.append(by_taper[i] * share, part * by_sharing[:, number])
+                by = length_m * np.append(by_parts[:, i] * share, part * by_sharing[:, number])
+                shaping = (*of_parts, *yielding.sharing)
                 found.append(
                     Hinge(
                         inside=inside,
                         motion=motion[0],
                         moved=tuple(zip((*yielding.moving, *of_place), motion[1:], strict=True)),
                         part_m=float(length_m * part * share),
-                        part_slopes=dict(zip((taper, *yielding.sharing), by.tolist(), strict=True)),
+                        part_slopes=dict(zip(shaping, by.tolist(), strict=True)),
                     )
                 )
         return tuple(found)
@@ -94,11 +95,13 @@ def soft_places(place: float, stretch: float) -> tuple[Array, Array]:
     return edges, np.stack([np.full(SLICES + 1, 1.0 - stretch), slices - off])
 
 
-def parts_along(taper: float) -> tuple[Array, Array]:
-    """Return parts (SLICES,) of the whole in each slice, and their slopes (SLICES,).
+def parts_along(taper: float, middle: float) -> tuple[Array, Array]:
+    """Return parts (SLICES,) of the whole in each slice, and their slopes (2, SLICES).
 
-    `taper` is ln of the softness at the soft stretch's far end over that at its near one.
+    `taper` is ln of the softness at the soft stretch's far end over that at its near one, `middle`
+    of that at its middle over that of its ends.
     """
     place = (np.arange(SLICES) + 0.5) / SLICES - 0.5
-    parts = scipy.special.softmax(taper * place)
-    return parts, parts * (place - place @ parts)
+    by = np.stack([place, 1.0 - 2.0 * np.abs(place)])
+    parts = scipy.special.softmax(np.array([taper, middle]) @ by)
+    return parts, parts * (by - (by @ parts)[:, None])

@@ -31,9 +31,10 @@ Array = npt.NDArray[np.float64]
 
 _SPREAD_STD = 0.3  # of the part of its length that a link's mass is spread over
 # Where along it a link gives way: a stretch of it, any part of the length, even draws; and ln of
-# the softness at its far end over that at its near one. Narrower than that it is one place.
+# the softness at its far end over that at its near one, and at its middle over that of its ends.
+# A narrower stretch than the least is one place.
 _STRETCH, _STRETCH_STD, _STRETCH_LEAST, _STRETCH_MOST = 0.5, 1.0 / np.sqrt(12.0), 0.02, 1.0
-_TAPER_STD = 1.9
+_TAPER_STD, _MIDDLE_STD = 1.9, 1.9
 _START = 0.03  # of the size's deviation: from zero a first step misleads
 
 
@@ -48,20 +49,23 @@ def given_way(
 ) -> Instance:
     """A link whose compliance each way is spread over its length, 1/EI or 1/GJ.
 
-    Castings taper, or are bolted together somewhere: how long a stretch of it is soft, where, and
-    how much at either end are parameters. So is where the line stands, and along which direction:
-    drives and covers draw the centre of mass aside. One that bends does so more easily about one
-    direction than about the other; its size is the mean of both. The link's mass is in pieces along
-    it, spread evenly over a part of its length about its centre, as far as its own inertia allows;
-    pieces and points turn with the stretch they stand on.
+    Castings taper, flanges stiffen their ends, or they are bolted together somewhere: how long a
+    stretch of it is soft, where, and how much at its ends and between are parameters. So is where
+    the line stands, and along which direction: drives and covers draw the centre of mass aside. One
+    that bends does so more easily about one direction than about the other; its size is the mean of
+    both. The link's mass is in pieces along it, spread evenly over a part of its length about its
+    centre, as far as its own inertia allows; pieces and points turn with the stretch they stand on.
     """
     gamma, loss, factor, spread, *where = (
         f"{word} {what} {line.name}"
-        for what in ("compliance", "loss", "loss factor", "spread", "place", "stretch", "taper")
+        for what in (
+            *("compliance", "loss", "loss factor", "spread"),
+            *("place", "stretch", "taper", "middle"),
+        )
     )
-    place, stretch, taper = where
+    place, stretch, taper, middle = where
     yielding = YieldingLine(line=line, bends=bends, word=word)
-    hinges = hinges_along(ordinary.superset, yielding, (place, stretch, taper))
+    hinges = hinges_along(ordinary.superset, yielding, (place, stretch, taper, middle))
     body = ordinary.arm.joints[line.link].link
 
     def build(assembly: Assembly, values: Mapping[str, float]) -> None:
@@ -109,7 +113,8 @@ def given_way(
         rest = {k: v for k, v in values.items() if k not in own}
         whole = values[gamma] * line.length_m
         edges, _ = soft_places(values[place], values[stretch])
-        at = float(parts_along(values[taper])[0] @ (0.5 * (edges[1:] + edges[:-1])))
+        parts, _ = parts_along(values[taper], values[middle])
+        at = float(parts @ (0.5 * (edges[1:] + edges[:-1])))
         start, end = yielding.ends(values)
         point_m = start + at * (end - start) + 4.0 * at * (1.0 - at) * yielding.bow_m(values)
         axes = [
@@ -163,6 +168,7 @@ def given_way(
                 untold=_STRETCH_MOST,
             ),
             Parameter(name=taper, unit="", mean=0.0, std=_TAPER_STD, untold=0.0),
+            Parameter(name=middle, unit="", mean=0.0, std=_MIDDLE_STD, untold=0.0),
             *yielding.parameters,
         ),
         builder=build,

@@ -193,7 +193,7 @@ def test_modes_near_each_other_stay_two_with_a_loss_factor():
 @pytest.mark.parametrize(
     ("name", "newer"),
     [
-        ("link_bending", ("loss_factor", "taper", *SHAPES)),
+        ("link_bending", ("loss_factor", "taper", "middle", *SHAPES)),
         ("gravity_compensator", ("aside", "stretch", "growth")),
     ],
 )

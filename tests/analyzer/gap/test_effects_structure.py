@@ -356,8 +356,11 @@ def test_a_link_may_give_way_at_one_place_or_more_at_one_end(ordinary, lines, po
 
     even = yields(taper=0.0)
     assert even == pytest.approx(np.full(SLICES, even.mean()))
-    for shape in ({"taper": 3.0}, {"taper": -3.0}, {"place": 0.2, "stretch": 0.1}):
+    for shape in ({"middle": 9.0}, {"taper": -3.0, "middle": 1.0}, {"place": 0.2, "stretch": 0.1}):
         assert yields(**shape).sum() == pytest.approx(even.sum())
+    # What stands beside the middle is 2 / SLICES of the way to an end from it.
+    beside = 2.0 * np.exp(-9.0 * 2.0 / SLICES)
+    assert yields(middle=9.0)[SLICES // 2] / even.sum() == pytest.approx(1.0, abs=1.2 * beside)
     root, *_, tip = yields(taper=3.0)  # half a slice from the ends
     assert np.log(tip / root) == pytest.approx(3.0 * (1.0 - 1.0 / SLICES))
     narrow = system(place=0.4, stretch=0.02).moved[..., -WAYS * SLICES :: WAYS]

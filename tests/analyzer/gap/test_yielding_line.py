@@ -136,8 +136,8 @@ def test_hinges_follow_the_line_by_their_slopes(bends):
 def test_hinges_are_made_anew_where_a_value_of_theirs_changes():
     superset = Superset(load_arm("rv4frl"))
     bends = YieldingLine(line=long_links(superset)[0], bends=True, word="w")
-    where = ("place", "stretch", "taper")
-    values = values_of(bends) | {"place": 0.4, "stretch": 0.6, "taper": 0.0}
+    where = ("place", "stretch", "taper", "middle")
+    values = values_of(bends) | {"place": 0.4, "stretch": 0.6, "taper": 0.0, "middle": 0.0}
     hinges = hinges_along(superset, bends, where)
     first = hinges(values)
     assert hinges(values | {"of another": 1.0}) is first
@@ -158,10 +158,11 @@ def test_hinges_follow_what_is_soft_by_their_slopes(bends):
     superset, step = Superset(load_arm("rv4frl")), 1e-6
     yielding = YieldingLine(line=long_links(superset)[0], bends=bends, word="w")
     told = values_of(yielding, turn_a=0.1, bow_a=0.05, bow_b=-0.08)
-    values = told | {"place": 0.3, "stretch": 0.4, "taper": 0.7}
-    hinges = hinges_along(superset, yielding, ("place", "stretch", "taper"))
+    where = ("place", "stretch", "taper", "middle")
+    values = told | {"place": 0.3, "stretch": 0.4, "taper": 0.7, "middle": -0.4}
+    hinges = hinges_along(superset, yielding, where)
     here = hinges(values)
-    for name in ("place", "stretch", "taper"):
+    for name in where:
         sides = [hinges(values | {name: values[name] + d}) for d in (step, -step)]
         for own, more, less in zip(here, *sides, strict=True):
             moved = dict(own.moved).get(name, np.zeros_like(own.motion))
