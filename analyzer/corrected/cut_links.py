@@ -22,6 +22,8 @@ Array = npt.NDArray[np.float64]
 
 def with_cut_links(assembly: Assembly, arm: Arm) -> Assembly:
     """Return equations whose soft links have their pieces between the hinges."""
+    if not assembly.pieces:
+        return assembly
     found = assembly.copied()
     for link, (shares, offsets) in assembly.pieces.items():
         cuts = _cuts(assembly, link)

@@ -53,7 +53,7 @@ class SlicedLink(BaseEffect):
             raise ValueError("from_m and to_m must differ")
         if self.softness and len(self.softness) != self.cuts:
             raise ValueError(f"wanted a softness for each of {self.cuts} cuts")
-        if self.cut_at and (len(self.cut_at) != self.cuts or np.diff(self.cut_at).min() <= 0.0):
+        if self.cut_at and (len(self.cut_at) != self.cuts or (np.diff(self.cut_at) <= 0.0).any()):
             raise ValueError(f"wanted cut_at with {self.cuts} places, one beyond the other")
         return self
 

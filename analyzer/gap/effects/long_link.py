@@ -16,13 +16,8 @@ from armodal.analyzer.gap.model.effect import EffectWords, Instance
 from armodal.analyzer.gap.model.interface import loss_factor_parameter, loss_parameter
 from armodal.analyzer.gap.model.long_links import LongLink, long_links
 from armodal.analyzer.gap.model.ordinary import Ordinary
-from armodal.analyzer.gap.model.priors import (
-    BEND_PLACE,
-    BEND_PLACE_LEAST,
-    BEND_PLACE_MOST,
-    BEND_PLACE_STD,
-    MASS_SPREAD,
-)
+from armodal.analyzer.gap.model.priors import MASS_SPREAD
+from armodal.analyzer.gap.model.soft_parts import place_parameter
 from armodal.analyzer.gap.model.space import Parameter
 
 __all__ = ["given_way"]
@@ -149,15 +144,7 @@ def given_way(
             loss_parameter(loss),
             loss_factor_parameter(factor),
             Parameter(name=spread, unit="", mean=MASS_SPREAD, std=_SPREAD_STD, low=0.0, high=1.0),
-            Parameter(
-                name=place,
-                unit="",
-                mean=BEND_PLACE,
-                std=BEND_PLACE_STD,
-                low=BEND_PLACE_LEAST,
-                high=BEND_PLACE_MOST,
-                untold=BEND_PLACE,
-            ),
+            place_parameter(place),
             Parameter(
                 name=stretch,
                 unit="",

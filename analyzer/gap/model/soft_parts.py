@@ -44,7 +44,14 @@ from armodal.analyzer.gap.model.scales import compliance, doubt, foot_m, reach_m
 from armodal.analyzer.gap.model.space import Parameter
 from armodal.protocols.arrays import frozen_array
 
-__all__ = ["BASE_TURN", "BASE_WAYS", "add_soft_parts", "base_lever_m", "soft_part_parameters"]
+__all__ = [
+    "BASE_TURN",
+    "BASE_WAYS",
+    "add_soft_parts",
+    "base_lever_m",
+    "place_parameter",
+    "soft_part_parameters",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -68,19 +75,25 @@ def soft_part_parameters(superset: Superset) -> Iterator[Parameter]:
     for joint in range(len(superset.arm.joints)):
         yield from _of_bearing(superset, joint)
     for line, _, _ in _bends(superset):
-        yield Parameter(
-            name=f"bend place {line.name}",
-            unit="",
-            mean=BEND_PLACE,
-            std=BEND_PLACE_STD,
-            low=BEND_PLACE_LEAST,
-            high=BEND_PLACE_MOST,
-        )
+        yield place_parameter(f"bend place {line.name}")
         unit = scale(superset, line.link)
         for way in _BEND_WAYS:
             yield _small(f"bend {way} {line.name}", unit, BEND_MEAN, BEND_STD, BEND_LIMIT)
         yield Parameter(name=f"bend lean {line.name}", unit="", mean=0.0, std=LEAN_STD)
         yield from _losses("bend loss", line.name)
+
+
+def place_parameter(name: str) -> Parameter:
+    """Return where along its line a link gives way, a part of its length; untold, its middle."""
+    return Parameter(
+        name=name,
+        unit="",
+        mean=BEND_PLACE,
+        std=BEND_PLACE_STD,
+        low=BEND_PLACE_LEAST,
+        high=BEND_PLACE_MOST,
+        untold=BEND_PLACE,
+    )
 
 
 def add_soft_parts(assembly: Assembly, superset: Superset, values: Mapping[str, float]) -> None:

@@ -341,34 +341,6 @@ def test_a_damper_resists_the_rate_of_its_length(superset, ordinary, lines, pose
     )
 
 
-def test_a_link_may_give_way_at_one_place_or_more_at_one_end(ordinary, lines, posed):
-    """The whole yield stays what it is; a short stretch moves what is beyond it like one hinge."""
-    instance = instance_of(ordinary, "link_bending", "lower_arm")
-    hypothesis = Hypothesis(ordinary=ordinary, instances=(instance,))
-    start = start_of(hypothesis) | {instance.size: 1e-5}
-
-    def system(**shape):
-        values = start | {f"bending {name} lower_arm": value for name, value in shape.items()}
-        return posed.system(hypothesis, lines, values)
-
-    def yields(**shape):
-        return system(**shape).compliance[-WAYS * SLICES :: WAYS]
-
-    even = yields(taper=0.0)
-    assert even == pytest.approx(np.full(SLICES, even.mean()))
-    for shape in ({"middle": 9.0}, {"taper": -3.0, "middle": 1.0}, {"place": 0.2, "stretch": 0.1}):
-        assert yields(**shape).sum() == pytest.approx(even.sum())
-    # What stands beside the middle is 2 / SLICES of the way to an end from it.
-    beside = 2.0 * np.exp(-9.0 * 2.0 / SLICES)
-    assert yields(middle=9.0)[SLICES // 2] / even.sum() == pytest.approx(1.0, abs=1.2 * beside)
-    root, *_, tip = yields(taper=3.0)  # half a slice from the ends
-    assert np.log(tip / root) == pytest.approx(3.0 * (1.0 - 1.0 / SLICES))
-    narrow = system(place=0.4, stretch=0.02).moved[..., -WAYS * SLICES :: WAYS]
-    # Of a hundredth of the link's length, by what a unit of each turns.
-    line = next(x for x in long_links(ordinary.superset) if x.name == "lower_arm")
-    np.testing.assert_allclose(narrow, narrow[..., :1] + 0.0 * narrow, atol=0.02 * line.length_m)
-
-
 def test_a_link_that_twists_may_be_an_axis_in_it_with_each_of_its_first_points_before(ordinary):
     """As soft as the whole link, and along its line."""
     line = long_links(ordinary.superset)[0]
